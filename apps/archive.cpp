@@ -47,7 +47,7 @@ struct Arguments {
   std::string command;
   std::vector<std::string> files;
   std::string box;                  ///< six numbers; empty = everything
-  std::vector<std::string> classes; ///< empty = any
+  std::vector<std::string> classes; ///< empty = all
   std::vector<std::string> poses;   ///< corrected trajectories; empty = none
 };
 
@@ -156,7 +156,7 @@ exportCloud(const Arguments& arguments)
   return exit_done;
 }
 
-// The archives with the trajectories that place them.
+// The archives with their trajectories.
 std::vector<Submap>
 submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
 {

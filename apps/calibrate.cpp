@@ -52,8 +52,8 @@ struct Arguments {
   CalibrationOptions fit;
 };
 
-// A path that is given once for many sequences: {sequence} stands for the path of the
-// sequence, {name} for the last part of it.
+// Fills in a path pattern of several sequences: {sequence} is replaced by the path of
+// the sequence, {name} by its last component.
 std::string
 filledIn(const std::string& pattern, const std::string& sequence)
 {
@@ -92,7 +92,7 @@ featuresOf(const std::string& names, bool of_cliques)
   return features;
 }
 
-// Those of a map's parameters that also matter without one.
+// Parameters of a map that are also used without one.
 ConfigParameters
 parametersWithoutMap(MapperConfig& config)
 {
@@ -105,7 +105,7 @@ parametersWithoutMap(MapperConfig& config)
   return parameters;
 }
 
-// The parameters of the maps: options override the file.
+// Reads the parameters of the maps; options override the file.
 void
 readCliqueConfig(const po::variables_map& values, Arguments& options)
 {
@@ -218,7 +218,8 @@ jsonOf(const CalibrationTrial& trial, const LabelSet& label_set)
   return jsonText(json);
 }
 
-// What an earlier run has learned from other sequences would be taken for ours.
+// Removes the calibrations of an earlier run, which would look like results of this
+// one.
 void
 removeEarlier(const std::string& output)
 {

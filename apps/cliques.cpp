@@ -54,10 +54,10 @@ frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
      {"voxel-size 0.1", "voxel size of the map [m]"},
      {"map-origin X,Y,Z", "map_origin of its summary.json"}}};
 
-// The frame whose superpixels a map gets.
+// The frame whose superpixels are transferred to a map.
 struct CliqueFrame {
   std::string path;        ///< organized cloud, camera frame
-  std::string pose;        ///< see poseOf(); empty = the VIEWPOINT of the cloud
+  std::string pose;        ///< see poseOf(); empty = the cloud's VIEWPOINT
   std::string calibration; ///< calib.txt, if the pose is of camera 0; may be empty
   Eigen::Vector3d map_origin = Eigen::Vector3d::Zero(); ///< of the map's points [m]
   double voxel_size = 0.1;                              ///< of the map [m]
@@ -125,7 +125,8 @@ parse(int argc, char** argv)
                          "with --method " + method,
                          {"voxel-size"}}});
   arguments.parameters.validate();
-  // After it: only supervoxels want voxels that are small beside their seeds' distance.
+  // Only after the parsing: only supervoxels need voxels smaller than their seed
+  // distance.
   arguments.parameters.supervoxel.voxel_resolution = frame.voxel_size;
   requireFittingOptions(arguments);
   return arguments;
@@ -150,8 +151,8 @@ poseOfRow(const std::string& text, const std::string& calibration)
   return worldFromFirstCamera() * trajectory[std::size_t(row)] * T_camera0_camera;
 }
 
-// A pose from text: "x y z qx qy qz qw", the camera in the world, or FILE:N, row N of a
-// KITTI trajectory (camera 0; with calib.txt that of the left colour camera).
+// Parses a pose: "x y z qx qy qz qw", the camera in the world, or FILE:N, row N of a
+// KITTI trajectory (camera 0; with calib.txt converted to the left colour camera).
 Eigen::Isometry3d
 poseOf(const std::string& text, const std::string& calibration)
 {
@@ -173,7 +174,7 @@ poseOf(const std::string& text, const std::string& calibration)
   return pose;
 }
 
-// Tells a generator of the frame and the voxels of a map, one for each of its points.
+// Sets the frame and the voxels of a map, one per point, in a generator.
 void
 setFrame(const CliqueFrame& frame, const std::string& name, const LabelledCloud& map,
          SuperpixelCliques& generator)
@@ -207,7 +208,7 @@ setFrame(const CliqueFrame& frame, const std::string& name, const LabelledCloud&
   generator.setFrame(cloud, T_map_camera);
 }
 
-// Neighbouring numbers get colours that differ; points in no clique are dark.
+// Successive numbers get different colours; points outside cliques are dark.
 void
 colourCliques(const std::vector<pcl::PointIndices>& cliques,
               CliqueGenerator::Cloud& cloud)
@@ -216,7 +217,7 @@ colourCliques(const std::vector<pcl::PointIndices>& cliques,
     point.r = point.g = point.b = 40;
   std::uint32_t turn = 0;
   for (const pcl::PointIndices& clique : cliques) {
-    turn += 0x9E3779B9u; // golden section of a circle
+    turn += 0x9E3779B9u; // golden angle
     const double hue = double(turn) / 4294967296.0 * 6.0;
     for (const pcl::index_t i : clique.indices) {
       const auto channel = [&](double offset) {
@@ -255,7 +256,7 @@ group(const Arguments& arguments)
     generator->setOrigin(read.origin);
     read.cliques = generator->generate(cloud);
   }
-  catch (const BadInputException& error) { // a generator knows nothing of files
+  catch (const BadInputException& error) { // the generator does not report the file
     fail<BadInputException>(arguments.input, ": ", error.what());
   }
   std::size_t members = 0;

@@ -206,7 +206,7 @@ private:
     return rows;
   }
 
-  // Probabilities are of the old classes.
+  // Drops probabilities, which are of the old classes.
   PcdTable
   withLabels(LabelledCloud& cloud) const
   {

@@ -11,33 +11,37 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief For clouds whose labels do not matter: takes any numbers. */
+/** \brief Mapping for clouds with irrelevant labels: accepts all numbers. */
 const LabelMapping& anyLabels();
 
-/** \brief PcdTable::doubts for the end of an error's line: "; field 'lbl' is not read
- * ...". \param[in] path of the cloud, which the line names */
+/** \brief Formats PcdTable::doubts for the end of an error message: "; field 'lbl' is
+ * not read ...".
+ * \param[in] path of the cloud in the message */
 std::string textOfDoubts(const std::vector<std::string>& doubts,
                          const std::string& path);
 
-/** \brief Warns of points at exactly 0 0 0, which countNoReturns() counts.
- * \param[in] path of the cloud \param[in] count 0 = nothing is said */
+/** \brief Warns of points at exactly 0 0 0, see countNoReturns().
+ * \param[in] path of the cloud
+ * \param[in] count 0 = no warning */
 void warnOfNoReturns(const std::string& path, std::size_t count);
 
-/** \brief Refuses options about labels that a cloud does not use, since it has
- * probabilities. \param[in] path of the cloud
- * \param[in] options that were given, with their dashes
+/** \brief Refuses options about labels if a cloud has probabilities, which replace its
+ * labels.
+ * \param[in] path of the cloud
+ * \param[in] options given options, with their dashes
  * \throws InvalidParameterException that names the option and the cloud */
 void refuseForProbabilities(const std::string& path,
                             const std::vector<std::string>& options);
 
-/** \brief Warns at its end, in one line, of the numbers that a label mapping lacked. */
+/** \brief Warns in its destructor, in one line, of numbers missing in a label
+ * mapping. */
 class MappingWatch {
 public:
   MappingWatch() = default;
 
   /** \param[in] name of the mapping
-   * \param[in] mapping whose copies are used; colours and labels lack nothing
-   * \param[in] unit that it was used for: "points" */
+   * \param[in] mapping whose copies are used; mappings by colour or label are complete
+   * \param[in] unit of the mapped elements: "points" */
   MappingWatch(std::string name, const PixelMapping& mapping, std::string unit);
 
   MappingWatch(MappingWatch&& other) noexcept;

@@ -16,7 +16,7 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-// Text that no macro of man(7) is made of: hyphens are those of options, to be copied.
+// Escapes text for man(7); hyphens are those of options, so that they can be copied.
 std::string
 escaped(const std::string& text)
 {
@@ -36,7 +36,7 @@ escaped(const std::string& text)
   return result;
 }
 
-// "does this" of "Does this. And that.", with its lines made one.
+// "does this" of "Does this. And that.", on one line.
 std::string
 firstSentence(const std::string& description)
 {
@@ -60,7 +60,7 @@ optionLine(const po::option_description& option)
   return value.empty() ? line : line + " " + escaped(value);
 }
 
-// What `--help` says as a manual page, in the macros of man(7).
+// The help as a manual page, in the macros of man(7).
 std::string
 manualPage(const Usage& usage, const po::options_description& options)
 {
@@ -81,7 +81,7 @@ manualPage(const Usage& usage, const po::options_description& options)
   return page;
 }
 
-// Why an option is not known: it may be one of earlier versions.
+// Explains an unknown option, which may be from an earlier version.
 std::string
 refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
 {
@@ -97,7 +97,7 @@ refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
   return why.empty() ? error.what() : option + ": " + why;
 }
 
-// The options that are used most; the test of help holds it to a screen.
+// The most used options; a test ensures that they fit on a screen.
 void
 printHelp(const Usage& usage, const po::options_description& all, bool is_whole)
 {
@@ -118,7 +118,7 @@ printHelp(const Usage& usage, const po::options_description& all, bool is_whole)
          "--quiet,\n--verbose, --json and --man.\n";
 }
 
-// Parses the options of a tool and those that all have; ends it if it was for help.
+// Parses the options of a tool and the common ones; ends the tool after help.
 po::variables_map
 parseOptions(int argc, char** argv, const Usage& usage,
              const po::options_description& options,
@@ -139,7 +139,7 @@ parseOptions(int argc, char** argv, const Usage& usage,
   all.add(options).add(general);
   po::variables_map values;
   try {
-    // No guessing: an abbreviated option would change its meaning when one is added.
+    // No abbreviations: they would change their meaning with new options.
     using namespace po::command_line_style;
     po::store(po::command_line_parser(argc, argv)
                   .options(all)

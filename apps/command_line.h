@@ -18,21 +18,21 @@ namespace pcl_semantic::tool {
 
 namespace po = boost::program_options;
 
-/** \brief The parts of a tool's `--help`. */
+/** \brief Texts of a tool's `--help`. */
 struct Usage {
   std::string name;        ///< "pcl_semantic_map"
   std::string synopsis;    ///< "SEQUENCE --output DIR [options]"
-  std::string description; ///< what it does, one or two sentences
+  std::string description; ///< one or two sentences
   std::string example;     ///< a command that works when pasted
-  /// What `--help` lists, where all options would not fit on a screen: an option with
-  /// its value ("labels DIR"), and its help in a line; `--help-all` lists the rest.
+  /// Options in `--help`, if all options do not fit on a screen: an option with its
+  /// value ("labels DIR"), and a line of help. `--help-all` lists all options.
   std::vector<std::pair<std::string, std::string>> often{};
 };
 
-/** \brief An option of a tool: its name ("output,o"), where its value goes, its help.
- */
+/** \brief An option of a tool: name ("output,o"), target of its value, help. */
 struct Option {
-  /** \brief Any value, or several of a std::vector; without a default to show. */
+  /** \brief An optional value, or several for a std::vector; the help shows no
+   * default. */
   template <typename T>
   Option(const std::string& name, T& value, std::string help)
       : Option(name, po::value(&value), std::move(help))
@@ -43,7 +43,7 @@ struct Option {
       : Option(name, po::bool_switch(&value), std::move(help))
   {}
 
-  /** \brief Another kind: required(...), withDefault(...). */
+  /** \brief Another kind of value: required(...), withDefault(...). */
   Option(std::string name, const po::value_semantic* value, std::string help)
       : names(std::move(name)), target(value), text(std::move(help))
   {}
@@ -53,7 +53,7 @@ struct Option {
   std::string text;
 };
 
-/** \brief The value of an option that has to be given. */
+/** \brief A required value. */
 template <typename T>
 po::typed_value<T>*
 required(T& value)
@@ -61,7 +61,7 @@ required(T& value)
   return po::value(&value)->required();
 }
 
-/** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
+/** \brief Formats a value for the help: 0.7, not 0.69999999999999996. */
 template <typename T>
 std::string
 shown(const T& value)
@@ -71,7 +71,7 @@ shown(const T& value)
   return text.str();
 }
 
-/** \brief The value of an option, which is its default and shown as such. */
+/** \brief A value whose current content is the default, shown in the help. */
 template <typename T>
 po::typed_value<T>*
 withDefault(T& value)
@@ -79,15 +79,18 @@ withDefault(T& value)
   return po::value<T>(&value)->default_value(value, shown(value));
 }
 
-/** \brief Options of inputs: a `bool` is a switch, and a default is shown. */
+/** \brief Makes options of inputs: a `bool` becomes a switch, and defaults are
+ * shown. */
 std::vector<Option> optionsOf(const ConfigParameters& parameters);
 
-/** \brief Parses the command line; adds `--help`, `--help-all`, `--version` and
+/** \brief Parses the command line. Adds `--help`, `--help-all`, `--version` and
  * `--man`, which end the tool, and `--quiet`, `--verbose` and `--json`, which set
- * manner(). \param[in] options in the order of the help \param[in] positional options
- * that need no name; a last one "files..." takes all that is left \param[in] parameters
- * each an option, too, see setParameters() \throws Exit if help was printed \throws
- * InvalidParameterException at unknown options, missing or unreadable values */
+ * manner().
+ * \param[in] options in the order of the help
+ * \param[in] positional options without a name; a last one "files..." takes the rest
+ * \param[in] parameters additional options, see setParameters()
+ * \throws Exit if help was printed
+ * \throws InvalidParameterException at unknown options, missing or unreadable values */
 po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
                                    const std::vector<Option>& options,
                                    const std::vector<std::string>& positional = {},
@@ -97,25 +100,25 @@ po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
  * \throws InvalidParameterException if a value cannot be read */
 void setParameters(const po::variables_map& values, ConfigParameters parameters);
 
-/** \brief Sets a CRF as its tools are told to: by \a file (YAML; empty = none), then by
- * the options that were given.
+/** \brief Sets a CRF: first from \a file (YAML; empty = none), then from the given
+ * options.
  * \param[in] print the result, as YAML, and end the tool
  * \throws Exit if it was printed
  * \throws InvalidParameterException, BadInputException */
 void setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
                   CRFConfig& config);
 
-/** \brief The options that were given. */
+/** \brief Returns the given options. */
 std::set<std::string> givenOptions(const po::variables_map& values);
 
-/** \brief Refuses options that were given and would have no effect. */
+/** \brief Refuses given options without effect. */
 void refuseUnread(const po::variables_map& values,
                   const std::vector<UnreadOptions>& rules);
 
-/** \brief Throws InvalidParameterException, with a word on where help is. */
+/** \brief Throws InvalidParameterException with a hint at the help. */
 [[noreturn]] void failUsage(const std::string& message);
 
-/** \brief Runs a check of the command line: an InvalidParameterException of it ends in
+/** \brief Runs a check of the command line. Converts its InvalidParameterException by
  * failUsage(). */
 template <typename Check>
 void
@@ -131,18 +134,18 @@ asUsage(Check&& check)
   failUsage(message);
 }
 
-/** \brief failUsage() if a condition holds. */
+/** \brief Calls failUsage() if a condition holds. */
 void refuseIf(bool condition, const std::string& message);
 
-/** \brief "a,b,c" without the commas. */
+/** \brief Splits "a,b,c" at the commas. */
 std::vector<std::string> splitAtCommas(const std::string& text);
 
-/** \brief The numbers of an option, with commas or spaces between them; those that
- * cannot be read end in failUsage(). */
+/** \brief Parses the numbers of an option, separated by commas or spaces. Calls
+ * failUsage() at an unreadable number. */
 std::vector<double> parseNumbersOf(const std::string& option, std::string text);
 
-/** \brief Refuses options of earlier versions, each with a word on what there is in its
- * place. \throws InvalidParameterException */
+/** \brief Refuses options of earlier versions, with a hint at their replacement.
+ * \throws InvalidParameterException */
 void refuseRemoved(int argc, char** argv,
                    const std::vector<std::pair<std::string, std::string>>& options);
 

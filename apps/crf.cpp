@@ -28,7 +28,7 @@ using namespace pcl_semantic::tool;
 
 struct Arguments {
   std::string input, output, label_set, label_mapping, scan_columns, config;
-  bool states_confidence = false; ///< that of labels is given
+  bool states_confidence = false; ///< the user set the labels' confidence
   CRFConfig parameters;
 
   Arguments()
@@ -111,7 +111,7 @@ setCliques(const std::string& cliques, const Arguments& arguments,
     crf.setCliques(readCliques(cliques, input.cloud->size()));
 }
 
-// The number of its classes, to which the labels have to belong.
+// Number of classes of the label set that the labels must belong to.
 int
 sizeOfLabelSet(const Arguments& arguments, const LabelledCloud& input)
 {
@@ -154,7 +154,7 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
     crf.setLabelConfidence(arguments.parameters.label_confidence, std::max(1, classes));
 }
 
-// A map says how certain it is of each voxel.
+// A map contains the entropy of each voxel.
 void
 setEntropies(LabelledCloud& cloud)
 {
@@ -166,7 +166,7 @@ setEntropies(LabelledCloud& cloud)
   cloud.table.setColumn("entropy", entropies);
 }
 
-// A distribution that prefers no class says as little as none.
+// Counts points without preference: uniform distributions are as uninformative as none.
 std::size_t
 countWithoutPreference(const LabelledCloud& input)
 {
@@ -192,8 +192,8 @@ labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
   return labels;
 }
 
-// "12 of building, 3 of road", or the numbers of the labels without names: how many of
-// the labels before are others now. Empty if they are of many classes.
+// Counts changed labels by old class: "12 of building, 3 of road", or numbers for
+// labels without names. Empty if there are too many classes.
 std::string
 textOfChanges(const Labels& before, const Labels& now, const std::string& label_set)
 {
@@ -213,7 +213,7 @@ textOfChanges(const Labels& before, const Labels& now, const std::string& label_
   return text.str();
 }
 
-// Says why a result may not be what was wished.
+// Warns of results that the user may not expect.
 void
 warnOfResult(const Arguments& arguments, const LabelledCloud& input,
              std::size_t without_preference, const CRFReport& report,
@@ -247,7 +247,7 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
     }
 }
 
-// Runs the filter over the cloud, and says what became of it.
+// Runs the filter over the cloud and returns its results.
 Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
@@ -266,7 +266,7 @@ filter(const Arguments& arguments, LabelledCloud& input)
   try {
     crf.filter(*input.cloud);
   }
-  catch (const BadInputException& error) { // a cloud knows nothing of its file
+  catch (const BadInputException& error) { // the filter does not report the file
     fail<BadInputException>(arguments.input, ": ", error.what());
   }
   const Labels now = labelsOf(*input.cloud);

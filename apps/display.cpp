@@ -15,7 +15,7 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-// Set for the program that is started again: it does not try twice.
+// Set for the restarted program, which must not restart again.
 constexpr const char* kStartedAgain = "PCL_SEMANTIC_ON_VIRTUAL_DISPLAY";
 
 bool
@@ -34,8 +34,8 @@ isProgram(const std::string& name)
 bool
 hasDisplay()
 {
-  // Stays open: a virtual server begins anew when its last client leaves, and
-  // refuses clients that come then.
+  // Stays open: a virtual server resets when its last client leaves, and refuses
+  // clients during a reset.
   static Display* const display = XOpenDisplay(nullptr);
   int code = 0, event = 0, error = 0;
   return display && XQueryExtension(display, "GLX", &code, &event, &error);
@@ -52,8 +52,8 @@ restartOnVirtualDisplay(char** argv)
                                      : "is missing: packages xvfb and xauth");
   setenv(kStartedAgain, "1", 1);
   std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  // A server that begins anew when its last client leaves says so to xvfb-run, which
-  // then fails now and then.
+  // A server that resets when its last client leaves also signals xvfb-run, which then
+  // fails occasionally.
   std::string words[] = {"xvfb-run", "--auto-servernum",
                          "--server-args=-screen 0 1280x1024x24 -nolisten tcp -noreset"};
   std::vector<char*> arguments;

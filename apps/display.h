@@ -3,13 +3,13 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Whether an X server answers that can draw with OpenGL. VTK ends the program
- * if there is none. */
+/** \brief Whether an X server with OpenGL is available. VTK ends the program without
+ * one. */
 bool hasDisplay();
 
-/** \brief Starts this program again, with the same arguments, on a display that nobody
- * sees: xvfb-run's.
- * \throws InvalidParameterException that names what is missing; does not return
+/** \brief Restarts this program with the same arguments on a virtual display, by
+ * xvfb-run.
+ * \throws InvalidParameterException that names the missing program; does not return
  * otherwise */
 [[noreturn]] void restartOnVirtualDisplay(char** argv);
 

@@ -29,8 +29,8 @@ using namespace pcl_semantic::tool;
 
 namespace fs = std::filesystem;
 
-// Folders hold files that bear the same names: label images (`.png`), or labels of the
-// points of scans (`.label`).
+// Folders contain files of equal names: label images (`.png`), or labels of the points
+// of scans (`.label`).
 struct Options {
   std::vector<std::string> predictions, truths;
   std::vector<std::string> covered_by;   ///< empty = all pixels count
@@ -99,7 +99,7 @@ struct DepthRange {
   std::string text; ///< "10-20 m"
 };
 
-// Labels of a scan as an image of one row.
+// Represents labels of a scan as an image of one row.
 cv::Mat
 asImage(const std::vector<Label>& labels)
 {
@@ -108,8 +108,8 @@ asImage(const std::vector<Label>& labels)
       .clone();
 }
 
-// A small file may unpack to gigabytes: sizes are compared before anything is decoded.
-// \param[in] like what an image has to be as large as
+// Compares sizes before decoding, because a small file may unpack to gigabytes.
+// \param[in] like image with the expected size
 cv::Mat
 readLabelFile(const std::string& path, int classes, const std::string& like)
 {
@@ -153,7 +153,7 @@ readTruthDepth(const std::string& folder, const std::string& truth_path,
   return depth;
 }
 
-// The ground truth whose depth lies in the range; 0 elsewhere.
+// The ground truth with a depth in the range; 0 elsewhere.
 cv::Mat
 truthIn(const DepthRange& range, const cv::Mat& truth, const cv::Mat& depth)
 {
@@ -172,7 +172,7 @@ existing(const std::string& folder, const std::string& name, const std::string& 
   return path;
 }
 
-// "A:B" in metres; what is left out is 0 or infinite.
+// Parses "A:B" in metres; missing limits are 0 or infinite.
 DepthRange
 parseDepthRange(const std::string& text)
 {
@@ -199,8 +199,8 @@ parseDepthRange(const std::string& text)
 }
 
 // Compares the files of the folders of one --truth.
-// \param[in] mapping of the classes of the ground truth to ours; none = ours
-// \param[in,out] total a matrix for each range of the ground truth's depth, or one
+// \param[in] mapping of the ground truth's classes to the label set; none = identity
+// \param[in,out] total a matrix for each depth range of the ground truth, or one
 void
 compareFolders(const Options& options, std::size_t number,
                const std::vector<DepthRange>& ranges, const LabelSet& label_set,
@@ -247,7 +247,7 @@ warnIfEmpty(const std::vector<ConfusionMatrix>& confusions)
   warn("no label of the ground truth is a class: there is nothing to compare with");
 }
 
-// Labels that agree one class apart count from 0 on one side.
+// Warns if most labels are shifted by one class: probably one side counts from 0.
 void
 warnOfNumbers(const ConfusionMatrix& confusion)
 {

@@ -43,9 +43,8 @@ struct Arguments {
   std::string map, output;
   Format format = Format::points;
   MapHints hints;
-  std::string colour = "class"; ///< or rgb, as measured
-  std::string
-      ground; ///< names of classes; empty = usual ones, as far as there are such
+  std::string colour = "class"; ///< or rgb, the measured colour
+  std::string ground;           ///< class names; empty = usual ones, if they exist
   double min_height = 0.3, max_height = 2.0, reach = 5.0; ///< [m]
 };
 
@@ -124,7 +123,7 @@ requireLabels(const MapInput& map)
     fail<BadInputException>("has no labels, expected a field label or probability");
 }
 
-// Those of classes as they are: pictures have lighter ones.
+// Unmodified class colours; rendered images have lighter ones.
 std::vector<cv::Vec3b>
 coloursOf(const Arguments& arguments, const MapInput& map)
 {
@@ -138,7 +137,7 @@ coloursOf(const Arguments& arguments, const MapInput& map)
   return colours;
 }
 
-// The classes of the ground: those that are named, or what there is of the usual ones.
+// Classes of the ground: the given names, or the existing usual ones.
 std::vector<Label>
 groundOf(const std::string& list, const LabelSet& label_set)
 {
@@ -205,7 +204,7 @@ write(const Arguments& arguments, const MapInput& map)
   return {};
 }
 
-// A map of no voxels is a file of none, but an image has at least a pixel.
+// A map without voxels is a valid file, but an image needs at least one pixel.
 void
 requireSize(const Arguments& arguments, const VoxelScene& scene)
 {

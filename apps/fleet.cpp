@@ -49,7 +49,7 @@ EOF
 pcl_semantic_fleet /tmp/plan.yaml && \
   pcl_semantic_archive info /tmp/city/map.tiles)"};
 
-// A submap that is to be made, and the poses that place it.
+// A submap to map, and its corrected poses.
 struct Task {
   MapOptions run;
   std::string corrected_poses;
@@ -74,7 +74,7 @@ headerOf(const MappingRun& run)
   return {run.label_set, run.config.map.withWindow(), {}};
 }
 
-// What will be merged has to fit, before it is mapped.
+// Checks before mapping that the submaps can be merged.
 void
 requireSame(const MappingRun& first, const MappingRun& other)
 {
@@ -100,7 +100,7 @@ ofDrive(const FleetDrive& drive, Body&& body)
   }
 }
 
-// The frames of all submaps of a plan, "drive A:B" each: opens every drive.
+// Opens every drive of a plan and returns the frames of all submaps, "drive A:B".
 std::vector<std::string>
 cut(const FleetPlan& plan)
 {
@@ -153,19 +153,19 @@ tasksOf(const FleetPlan& plan, const std::vector<std::string>& stretches)
     MapOutputs& outputs = task.run.outputs;
     outputs.folder = plan.output + "/submaps/" + drive.name;
     outputs = submapOutputs(outputs, frames);
-    outputs.folder.clear(); // an archive alone
+    outputs.folder.clear(); // an archive only
     outputs.archive.resume = true;
     tasks.push_back(std::move(task));
   }
   return tasks;
 }
 
-// What the tasks of this rank took.
+// Durations of this rank's tasks.
 class Log {
 public:
   explicit Log(int rank) : rank_(rank) {}
 
-  /** \param[in] body returns whether there was something to do */
+  /** \param[in] body returns whether it had any work */
   template <typename Body>
   void
   time(const std::string& task, Body&& body)
@@ -192,7 +192,7 @@ private:
   std::vector<std::string> lines_;
 };
 
-// The tiles that the submaps reach; each rank looks into its part of them.
+// Tiles touched by the submaps; each rank reads its part of them.
 SubmapTiles
 tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
 {
@@ -202,7 +202,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
     for (const MapTile& tile : tilesOf(tasks[i].submap()))
       own.push_back(std::to_string(i) + " " + std::to_string(tile.y) + " " +
                     std::to_string(tile.x));
-  std::map<MapTile, std::set<std::size_t>> reached; // by which task
+  std::map<MapTile, std::set<std::size_t>> reached; // by task
   for (const std::string& text : ranks.gather(own)) {
     std::size_t task = 0;
     MapTile tile;
@@ -216,7 +216,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
   return tiles;
 }
 
-// Tiles of an earlier plan, or whose submaps were elsewhere.
+// Removes tiles of an earlier plan, or with other submaps.
 void
 removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
 {
@@ -232,7 +232,7 @@ removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
   }
 }
 
-// Submaps of an earlier plan: archives that are named by their first frame.
+// Removes submaps of an earlier plan: archives named by their first frame.
 void
 removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
 {
@@ -248,11 +248,11 @@ removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
     for (const FrameFile& file : listFrameFiles(drive.string(), {".map"}))
       if (kept.count(fs::path(file.path).lexically_normal()) == 0)
         removeArchive(file.path);
-    fs::remove(drive, error); // unless it holds something
+    fs::remove(drive, error); // fails if not empty
   }
 }
 
-// The costs of an earlier run, as far as they are of the same tasks, and those of this.
+// Writes durations of this run, and those of an earlier run for the same tasks.
 void
 writeLog(const std::string& path, const std::set<std::string>& tasks,
          const std::vector<std::string>& lines)
@@ -264,7 +264,7 @@ writeLog(const std::string& path, const std::set<std::string>& tasks,
   std::error_code error;
   std::ifstream old(fs::is_regular_file(path, error) ? path : "");
   std::string line;
-  std::getline(old, line); // its head
+  std::getline(old, line); // header
   while (std::getline(old, line))
     if (tasks.count(taskOf(line)) > 0)
       by_task[taskOf(line)] = line;
@@ -283,7 +283,7 @@ stopIfInterrupted()
     throw Exit{exit_interrupted};
 }
 
-// Maps the submaps that are not there as the plan has them.
+// Maps the submaps that are missing or differ from the plan.
 void
 mapSubmaps(const Ranks& ranks, std::vector<Task>& tasks, Log& log)
 {
@@ -308,7 +308,7 @@ readPlanBeside(const std::string& path)
   FleetPlan plan = readFleetPlan(path);
   const std::string folder = fs::path(path).parent_path().string();
   if (!folder.empty())
-    fs::current_path(folder); // what the plan names lies beside it
+    fs::current_path(folder); // paths in the plan are relative to it
   return plan;
 }
 
@@ -320,7 +320,7 @@ mapFleet(const std::string& path, const Ranks& ranks)
   std::optional<FleetPlan> plan;
   std::optional<FolderLock> lock;
   std::vector<std::string> stretches;
-  if (is_first) { // alone: what is wrong with a plan is said once
+  if (is_first) { // only one rank reports faults of the plan
     plan = readPlanBeside(path);
     stretches = cut(*plan);
     makeOutputFolder(plan->output + "/tiles");
@@ -342,7 +342,7 @@ mapFleet(const std::string& path, const Ranks& ranks)
                             ": nothing was mapped: no frame of a drive has a depth");
   stopIfInterrupted();
   if (is_first)
-    fs::remove(index); // while tiles of two maps lie there
+    fs::remove(index); // missing while tiles of two maps are mixed
   ranks.wait();
   ranks.share(order.size(), [&](std::size_t i) {
     const std::string output = tilePath(index, order[i]);

@@ -13,7 +13,7 @@ namespace pcl_semantic::tool {
 int
 runWithImages(const std::string& name, const std::function<int()>& body)
 {
-  // OpenCV would otherwise print its own lines beside ours.
+  // OpenCV would otherwise print its own error messages.
   cv::redirectError(
       [](int, const char*, const char*, const char*, int, void*) { return 0; });
   return run(name, [&] {

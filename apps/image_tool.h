@@ -6,7 +6,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief run() for the programs that use OpenCV, whose errors it reports as ours. */
+/** \brief run() for programs that use OpenCV; converts OpenCV's errors. */
 int runWithImages(const std::string& name, const std::function<int()>& body);
 
 } // namespace pcl_semantic::tool

@@ -68,9 +68,9 @@ images in which a camera saw the points.)",
 
 struct Arguments {
   SequenceFiles sequence;
-  std::string clouds; ///< to label: organized ones, or what the sequence's camera saw
+  std::string clouds;      ///< to label: organized, or visible in the sequence's images
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
-  double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
+  double max_depth = 0.0;  ///< of points labelled by images [m]; 0 = unlimited
   std::string occlusion_window = "3,7"; ///< half columns, half rows [px]
   std::string output, network, model, engine, labels, label_set, label_mapping;
   std::string scan_columns; ///< of `.bin` clouds
@@ -79,7 +79,7 @@ struct Arguments {
   double label_confidence = 0.8; ///< of a stored `.png`
   int threads = 0;
 
-  /** \brief Whether clouds get the labels of a camera's images. */
+  /** \brief Whether the clouds are labelled by a camera's images. */
   bool
   carries() const
   {
@@ -122,7 +122,7 @@ requireClouds(const Arguments& arguments)
   refuseIf(!(arguments.max_depth >= 0.0), "--max-depth is less than 0");
 }
 
-// What has no effect on what is labelled, or with where labels come from.
+// Options without effect for the kind of clouds or the source of labels.
 std::vector<UnreadOptions>
 unreadOptions(const Arguments& arguments)
 {
@@ -209,12 +209,12 @@ readSensorPose(const std::string& path)
   return poses.front();
 }
 
-// Gives a scanner's clouds the labels of a camera's images.
+// Labels a scanner's clouds by a camera's images.
 class LabelCarrier {
 public:
-  // Of the images of a folder in KITTI's layout, or those of one camera: `left` and its
-  // intrinsics as `calibration`. Without a file the pose of the scanner in the camera
-  // is that of the sequence.
+  // Uses the images of a folder in KITTI's layout, or those of one camera: `left` and
+  // its intrinsics as `calibration`. Without a file the scanner's pose in the camera is
+  // the sequence's.
   LabelCarrier(const SequenceFiles& images, const std::string& sensor_pose,
                const VisibilityParameters& visibility)
       : visibility_(visibility)
@@ -244,7 +244,7 @@ public:
            " m away from the camera: is its pose in metres?");
   }
 
-  // cloud is that of the frame, for the message.
+  // \a cloud is the path of the frame's cloud, for the message.
   void
   requireImage(const std::string& cloud, int frame) const
   {
@@ -252,8 +252,7 @@ public:
       fail<BadInputException>(cloud, ": the camera has no image of frame ", frame);
   }
 
-  // Class distributions of a frame's points; what the camera does not see is
-  // unlabelled.
+  // Class distributions of a frame's points; invisible points are unlabelled.
   LabelDistributions
   label(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, int frame,
         LabelPredictor& predictor) const
@@ -267,10 +266,10 @@ public:
 private:
   VisibilityParameters visibility_;
   Eigen::Isometry3d T_camera_sensor_ = Eigen::Isometry3d::Identity();
-  std::optional<CameraImages> images_; // in which the camera saw the points
+  std::optional<CameraImages> images_; // of the camera
 };
 
-// The one file of labels that belongs to the one cloud.
+// One file of labels for one cloud.
 class FilePredictor : public LabelPredictor {
 public:
   FilePredictor(std::string path, int classes, float confidence, PixelMapping mapping)
@@ -299,7 +298,7 @@ isFolder(const std::string& path)
   return fs::is_directory(path, error);
 }
 
-// \param[out] watch on the numbers of --labels
+// \param[out] watch counts missing numbers of --labels
 std::unique_ptr<LabelPredictor>
 makePredictor(const Arguments& arguments, MappingWatch& watch)
 {
@@ -319,7 +318,7 @@ makePredictor(const Arguments& arguments, MappingWatch& watch)
                                          std::move(mapping));
 }
 
-// The cloud as a predictor takes it.
+// Converts the cloud to the input of a predictor.
 cv::Mat
 imageOf(const LabelledCloud& labelled, const std::string& path, bool is_seen)
 {
@@ -349,12 +348,12 @@ visibilityOf(const Arguments& arguments)
   return parameters;
 }
 
-// What became of the points of clouds.
+// Statistics of the points of clouds.
 struct PointCounts {
-  double fractions = 0.0; ///< of points with a label, a sum over the clouds with points
+  double fractions = 0.0; ///< sum over the clouds of their labelled fraction
   std::size_t clouds = 0; ///< with points
   std::size_t without_return = 0;
-  std::vector<std::string> doubts; ///< of the first cloud that had some
+  std::vector<std::string> doubts; ///< of the first doubtful cloud
 };
 
 // \param[in] carrier null: the cloud is an image itself
@@ -393,7 +392,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
   ++counts.clouds;
 }
 
-// Where each cloud goes: the same name in another folder.
+// Output path of a cloud: the same name in another folder.
 std::string
 outputOf(const Arguments& arguments, const std::string& path)
 {
@@ -418,7 +417,7 @@ chooseClouds(const CloudSequence& clouds, const Arguments& arguments)
   return positions;
 }
 
-// The clouds to label, once it is clear that each has a place to go to.
+// Selects the clouds to label, after checking all output paths.
 std::vector<std::size_t>
 prepareClouds(const Arguments& arguments, const CloudSequence& clouds)
 {
@@ -438,7 +437,8 @@ prepareClouds(const Arguments& arguments, const CloudSequence& clouds)
   return chosen;
 }
 
-// Labels clouds, by their own pixels or a camera's images: a labelled cloud for each.
+// Labels clouds, by their own pixels or a camera's images, and writes one labelled
+// cloud each.
 int
 labelClouds(const Arguments& arguments)
 {
@@ -473,8 +473,8 @@ labelClouds(const Arguments& arguments)
   return exit_done;
 }
 
-// Images and scans bear the names of what is written here, and a frame must not have
-// two files of labels.
+// Images and scans have the same names as the output, and a frame must not have two
+// files of labels.
 void
 refuseOtherFiles(const Arguments& options, const std::string& extension)
 {

@@ -25,7 +25,7 @@ using namespace pcl_semantic::tool;
 
 using Clock = std::chrono::steady_clock;
 
-// Whether something is due that happens now and then.
+// Whether a periodic event is due.
 class NowAndThen {
 public:
   explicit NowAndThen(Clock::duration period) : period_(period) {}
@@ -44,7 +44,7 @@ private:
   Clock::time_point next_{};
 };
 
-// Figures of the run, for the status line and for the results.
+// Figures of the run, for the status line and the results.
 class LiveFigures {
 public:
   void
@@ -88,7 +88,7 @@ private:
   }
 
   Clock::time_point start_ = Clock::now();
-  std::vector<float> latencies_; // [s], four bytes a frame
+  std::vector<float> latencies_; // [s], four bytes per frame
   std::string text_;
 };
 
@@ -166,7 +166,7 @@ requireCaptures(const SequenceFiles& sequence)
            "expected cameras, streams or videos for --left and --right, or a SEQUENCE");
 }
 
-// Maps the pairs that come until they end or an interrupt comes.
+// Maps live pairs until they end or an interrupt arrives.
 void
 mapLive(const MapOptions& options)
 {

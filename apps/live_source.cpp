@@ -43,7 +43,7 @@ openCamera(const SequenceFiles& options)
 
 LiveSource::LiveSource(const SequenceFiles& files) : files_(files)
 {
-  // Pairs that come until the mapper is made are dropped.
+  // Pairs that arrive before the mapper is ready are dropped.
   std::unique_ptr<LiveCamera> camera = openCamera(files);
   warnOf(camera->doubts());
   const std::vector<std::string> doubts = doubtsOf(camera->camera());
@@ -57,7 +57,7 @@ LiveSource::LiveSource(const SequenceFiles& files) : files_(files)
 std::optional<SensorFrame>
 LiveSource::next()
 {
-  constexpr std::chrono::milliseconds patience(100); // with an interrupt
+  constexpr std::chrono::milliseconds patience(100); // to react to an interrupt
   while (!interrupted() && !grabber_->hasEnded())
     try {
       std::optional<StereoGrabber::Grabbed> grabbed = grabber_->take(patience);
@@ -68,7 +68,7 @@ LiveSource::next()
     }
     catch (const BadInputException& error) {
       if (files_.strict || grabber_->hasEnded())
-        throw; // no more can come
+        throw; // no more can arrive
       if (++damaged_ == 1)
         warn(std::string(error.what()) + "; it is left out");
     }

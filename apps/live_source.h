@@ -10,27 +10,27 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Pairs of a camera, a video or a folder that fills, as they come: the newest
- * pair whenever the mapper asks, until there are no more or an interrupt comes. */
+/** \brief Live pairs of a camera, a video or a folder. Each call returns the newest
+ * pair, until the source ends or an interrupt arrives. */
 class LiveSource : public FrameSource {
 public:
   /** \brief Waits for the first pair.
-   * \throws Exit if it is interrupted meanwhile, BadInputException */
+   * \throws Exit if it is interrupted, BadInputException */
   explicit LiveSource(const SequenceFiles& files);
 
   std::optional<SensorFrame> next() override;
 
-  /** \brief Since the last pair came [s]. */
+  /** \brief Time since the arrival of the last pair [s]. */
   double secondsSinceGrabbed() const;
 
-  /** \brief Pairs that came while an earlier one was mapped. */
+  /** \brief Number of pairs skipped during mapping. */
   int
   dropped() const
   {
     return grabber_->dropped();
   }
 
-  /** \brief Pairs that could not be decoded. */
+  /** \brief Number of pairs that could not be decoded. */
   int
   damaged() const
   {

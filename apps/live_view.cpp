@@ -13,7 +13,7 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-// Starts a program that prints to a pipe; whether it could be started.
+// Starts a program that prints to a pipe. Returns whether it was started.
 bool
 start(std::vector<std::string> words, int pipe)
 {
@@ -60,7 +60,7 @@ openLiveView(const std::string& folder, const std::string& images)
   close(ends[1]);
   const std::string line = is_started ? firstLine(ends[0]) : "";
   if (line == "following: " + folder)
-    return; // the pipe stays open, so that the viewer may print
+    return; // the pipe stays open, so that the viewer can print
   close(ends[0]);
   badParameter("--view: ",
                !is_started

@@ -5,13 +5,13 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Opens a window on a map in the making: pcl_semantic_view, started as a
- * program of its own, which reads what MappingOutput::writeLive() writes. Nothing that
- * happens to a window, to its X server or to what draws touches the map, and a run
- * without a window does not load VTK. The window stays when this program has ended.
- * \param[in] folder that the map is written to; it need not be there yet
- * \param[in] images sequence in KITTI's layout whose pictures are shown; may be empty
- * \throws InvalidParameterException with the viewer's own words if it does not open */
+/** \brief Opens a window on a growing map: pcl_semantic_view as a separate process,
+ * which reads the output of MappingOutput::writeLive(). Failures of the window, its X
+ * server or its rendering cannot affect the map, and a run without a window does not
+ * load VTK. The window stays open after this program ends.
+ * \param[in] folder of the map; it may not exist yet
+ * \param[in] images sequence in KITTI's layout whose images are shown; may be empty
+ * \throws InvalidParameterException with the viewer's message if it does not open */
 void openLiveView(const std::string& folder, const std::string& images);
 
 } // namespace pcl_semantic::tool

@@ -13,7 +13,7 @@ namespace {
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
-// A run of its own for each stretch, named by its first frame.
+// Maps each section in a separate run, named by its first frame.
 void
 mapSubmaps(const MapOptions& options)
 {

@@ -39,7 +39,7 @@ bool
 isDatabase(const std::string& path)
 {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) // a pipe is not waited for
+  if (!fs::is_regular_file(path, error)) // reading a pipe would block
     return false;
   std::string begin(6, '\0');
   std::ifstream(path).read(begin.data(), std::streamsize(begin.size()));
@@ -54,7 +54,7 @@ readScene(const std::string& path, const MapHints& hints)
     const MapSummary summary = readMapSummary(path);
     if (!summary.is_whole)
       warn(path + ": its run broke off: it is a map of the frames until then");
-    // Cube 0 begins at the world's origin, the points are relative to that of the map.
+    // Cube 0 starts at the world's origin; the points are relative to the map's origin.
     const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
     VoxelScene scene = readVoxelScene(path + "/map.pcd", {size, -summary.origin});
     scene.origin = summary.origin;
@@ -70,7 +70,7 @@ readScene(const std::string& path, const MapHints& hints)
   }
   catch (const BadInputException&) {
     if (!isDatabase(path))
-      refuseOtherFormats(path); // no archive can be meant
+      refuseOtherFormats(path); // the path is not an archive
     throw;
   }
 }
@@ -88,7 +88,7 @@ LabelSet
 labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& scene)
 {
   LabelSet label_set;
-  const std::string own = path + "/label_set.yaml"; // of a map folder
+  const std::string own = path + "/label_set.yaml"; // part of a map folder
   if (hints.label_set.empty() && isFolder(path) && isThere(own))
     label_set = readLabelSet(own);
   else if (hints.label_set.empty() && !isFolder(path) && !isCloud(path))

@@ -11,31 +11,30 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief A finished map, its classes, and where the camera was. */
+/** \brief A finished map, its classes, and its camera poses. */
 struct MapInput {
   VoxelScene scene;
   LabelSet label_set;
-  Trajectory T_world_camera; ///< camera x right, y down, z forward; empty = not known
+  Trajectory T_world_camera; ///< camera x right, y down, z forward; empty = unknown
 };
 
 /** \brief Options about a map; empty or 0 = not given. */
 struct MapHints {
   std::string label_set, trajectory;
   double voxel_size = 0.0; ///< [m]
-  bool free_space = false; ///< wanted, where it is known: of an archive
+  bool free_space = false; ///< read free space from an archive
 };
 
-/** \brief Reads a map: a folder that pcl_semantic_map has written, a labelled cloud,
- * or an archive.
+/** \brief Reads a map: a folder of pcl_semantic_map, a labelled cloud, or an archive.
  * \throws BadInputException */
 MapInput readMap(const std::string& path, const MapHints& hints);
 
-/** \brief A picture needs something. \param[in] path of the map
- * \throws BadInputException if it has no voxel that is occupied */
+/** \brief Requires voxels, which an image needs. \param[in] path of the map
+ * \throws BadInputException if no voxel is occupied */
 void requireVoxels(const std::string& path, const MapInput& map);
 
-/** \brief The voxels of another map alone: in its own grid, or that of \a like if its
- * file says none. */
+/** \brief Reads only the voxels of another map: in its own grid, or in the grid of \a
+ * like if its file has none. */
 VoxelScene readOtherMap(const std::string& path, const MapHints& hints,
                         const VoxelScene& like);
 

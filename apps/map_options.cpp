@@ -70,7 +70,7 @@ ready; no images of the frames are written.)",
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
-// Whether a file would be replaced or removed by what a run writes to its folder.
+// Whether a run would replace or remove a file in its output folder.
 bool
 isOutput(const std::string& file, const std::string& folder)
 {
@@ -84,7 +84,7 @@ isOutput(const std::string& file, const std::string& folder)
          std::find(names.begin(), names.end(), *relative.begin()) != names.end();
 }
 
-// The inputs of a program: live frames are those of a stereo pair.
+// The inputs of a program; live frames are always stereo pairs.
 ConfigParameters
 inputsOf(MapInputs& inputs, MapProgram program)
 {

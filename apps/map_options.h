@@ -9,7 +9,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief The programs that share a command line. */
+/** \brief Programs with the same command line. */
 enum class MapProgram { map, live };
 
 /** \brief The command line of pcl_semantic_map, or of pcl_semantic_live. */
@@ -17,12 +17,12 @@ struct MapOptions {
   MapInputs inputs;
   MapperConfig config;
   MapOutputs outputs;
-  bool view = false;        ///< a window, see openLiveView()
-  bool every_frame = false; ///< of pcl_semantic_live: map both videos frame by frame
+  bool view = false;        ///< open a window, see openLiveView()
+  bool every_frame = false; ///< pcl_semantic_live: map two videos frame by frame
   std::string submap_every; ///< see parseSubmapLength(); empty = one map
 };
 
-/** \brief Parses and checks it.
+/** \brief Parses and checks the command line.
  * \throws InvalidParameterException, BadInputException
  * \throws Exit as parseCommandLine(), and after `--print-config` */
 MapOptions parseMapOptions(int argc, char** argv, MapProgram program);

@@ -20,10 +20,10 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-// PCL's mouse, our keys: PCL's own would print, write files and change clouds.
+// PCL's mouse with other keys: PCL's keys would print, write files and change clouds.
 class KeyStyle : public pcl::visualization::PCLVisualizerInteractorStyle {
 public:
-  // Made as VTK makes its objects.
+  // VTK's way to create objects.
   static KeyStyle*
   New()
   {
@@ -51,8 +51,8 @@ protected:
   OnKeyUp() override
   {}
 
-  // PCL's draws again at every tick, which takes a whole processor without a graphics
-  // card; what changes the picture draws it.
+  // PCL redraws at every tick, which uses a whole processor without a graphics card.
+  // Changes of the image redraw it explicitly.
   void
   OnTimer() override
   {}
@@ -74,7 +74,7 @@ struct MapViewer::Inside {
     vtkObject::GlobalWarningDisplayOff();
     pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
     window->SetOffScreenRendering(off_screen);
-    int no_arguments = 0; // PCL would look for its own among ours
+    int no_arguments = 0; // PCL must not parse the program's arguments
     char* none[] = {nullptr};
     visualizer = std::make_unique<pcl::visualization::PCLVisualizer>(
         no_arguments, none, renderer, window, title, style, !off_screen);
@@ -88,7 +88,7 @@ struct MapViewer::Inside {
   ~Inside()
   {
     visualizer.reset();
-    window->SetInteractor(nullptr); // they hold each other
+    window->SetInteractor(nullptr); // breaks a reference cycle
   }
 
   void

@@ -60,11 +60,11 @@ MapWatch::look(const CloudFrame& frame)
   told_of_labels_ = true;
 }
 
-// A cloud may be meant by the pose that its file states.
+// Warns of an unused VIEWPOINT, which may be the intended pose of the cloud.
 void
 MapWatch::lookAtViewpoint(const CloudFrame& frame, const Eigen::Isometry3d& used)
 {
-  const bool is_default = // of most files
+  const bool is_default = // in most files
       frame.viewpoint.matrix() == Eigen::Matrix4d::Identity();
   default_viewpoints_ += is_default;
   if (poses_ == "viewpoint" && is_default && default_viewpoints_ == 2)

@@ -11,25 +11,25 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Shows a map run on the terminal: its doubts, and those about its frames. */
+/** \brief Prints a map run on the terminal: its doubts, and doubts about its frames. */
 class MapWatch : public MapRunObserver {
 public:
-  /** \param[in] poses where the run has them from, as MapInputs::poses
-   * \param[in] strict pairs that look wrong are refused */
+  /** \param[in] poses source of the poses, as MapInputs::poses
+   * \param[in] strict refuse suspicious pairs */
   MapWatch(std::string poses, bool strict) : poses_(std::move(poses)), pairs_(strict) {}
 
   bool isInterrupted() override;
 
   void onFrame(const SensorFrame& frame) override;
 
-  /** \brief With --verbose the times of its stages. */
+  /** \brief Prints the times of the stages with --verbose. */
   void onMapped(const SensorFrame& frame, const MappedFrame& mapped) override;
 
   void onDoubt(const std::string& doubt) override;
 
   void onNote(const std::string& note) override;
 
-  /** \brief Of RGB-D frames, pixels without a measurement. */
+  /** \brief Number of pixels without a measurement, for RGB-D frames. */
   std::size_t
   unmeasured() const
   {
@@ -44,7 +44,7 @@ private:
   std::string poses_;
   PairWatch pairs_;
   std::size_t unmeasured_ = 0;
-  bool told_of_doubts_ = false; // of the first cloud that had some
+  bool told_of_doubts_ = false; // of the first doubtful cloud
   bool told_of_labels_ = false; // a cloud had none
   bool told_of_viewpoint_ = false;
   int default_viewpoints_ = 0;

@@ -21,13 +21,13 @@ namespace {
 
 const auto begin = std::chrono::steady_clock::now();
 
-bool bar_is_drawn = false; // there is one at a time
+bool bar_is_drawn = false; // at most one
 
 void
 printLine(const std::string& line)
 {
   if (bar_is_drawn)
-    std::fputs("\r\033[K", stderr); // the bar comes back with its next step
+    std::fputs("\r\033[K", stderr); // the next step redraws the bar
   std::fprintf(stderr, "%s\n", printable(line).c_str());
 }
 
@@ -80,7 +80,7 @@ warn(const std::string& message)
 void
 warnOf(const std::vector<std::string>& doubts)
 {
-  static std::set<std::string> told; // a run of submaps opens the same files again
+  static std::set<std::string> told; // runs of submaps open the same files again
   for (const std::string& doubt : doubts)
     if (told.insert(doubt).second)
       warn(doubt);

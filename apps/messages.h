@@ -10,46 +10,46 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief How a tool talks: --quiet, --verbose, --json. */
+/** \brief Verbosity of a tool: --quiet, --verbose, --json. */
 struct Manner {
-  std::string name = "pcl_semantic"; ///< of the tool, before each message
+  std::string name = "pcl_semantic"; ///< of the tool, prefix of each message
   bool quiet = false;
   bool verbose = false;
   bool json = false;
 };
 
-/** \brief That of this program; the command line sets it. */
+/** \brief The manner of this program, set by the command line. */
 Manner& manner();
 
 /** \brief Results of a program, by name. */
 using Results =
     std::vector<std::pair<std::string, std::variant<std::string, double, std::size_t>>>;
 
-/** \brief Prints results on standard output: a line "name: value" each (values of
+/** \brief Prints results on standard output: one line "name: value" each (values of
  * several lines below their name), or one JSON object with --json. */
 void printFigures(const Results& results);
 
-/** \brief Likewise what is a table as text.
- * \param[in] json an object, with its last line break */
+/** \brief Prints a table as text, or as JSON with --json.
+ * \param[in] json an object, including its last line break */
 void printFigures(const std::string& text, const std::string& json);
 
-/** \brief As printFigures() what is no more than a word that all went well: with
- * --quiet alone nothing. */
+/** \brief Prints a success report like printFigures(); --quiet suppresses it, except
+ * with --json. */
 void printResults(const Results& results);
 
-/** \brief Warns on standard error: "NAME: warning: MESSAGE", in a line of its own even
- * while a progress bar is there. */
+/** \brief Warns on standard error: "NAME: warning: MESSAGE", on a separate line even
+ * during a progress bar. */
 void warn(const std::string& message);
 
-/** \brief Warns of each doubt that the library gives, a line each, once. */
+/** \brief Warns of each doubt of the library, one per line, without repetition. */
 void warnOf(const std::vector<std::string>& doubts);
 
-/** \brief With --verbose: "NAME: 12.3 s: MESSAGE", the time since the program began, on
- * standard error. */
+/** \brief With --verbose prints "NAME: 12.3 s: MESSAGE" on standard error, with the
+ * time since the program's start. */
 void note(const std::string& message);
 
-/** \brief A progress bar on standard error: only on a terminal, not with --quiet, and
- * only for work that takes longer than a second. With --verbose a note a step. */
+/** \brief A progress bar on standard error: only on a terminal, without --quiet, and
+ * for work longer than a second. With --verbose one note per step. */
 class ProgressBar {
 public:
   /** \param[in] what "mapping"
@@ -58,7 +58,7 @@ public:
   ProgressBar(std::string what, std::size_t total, std::string unit = "frames");
   ~ProgressBar();
 
-  /** \brief One step is done; draws ten times a second. */
+  /** \brief Counts one step; draws at most ten times per second. */
   void step();
 
 private:
@@ -73,8 +73,9 @@ private:
   bool terminal_;
 };
 
-/** \brief A line about work without a known end, on standard error: on a terminal in
- * place, at most four times a second; with --verbose a note each time. */
+/** \brief A status line for work without a known end, on standard error. A terminal
+ * updates it in place, at most four times per second; with --verbose each update is a
+ * note. */
 class StatusLine {
 public:
   explicit StatusLine(std::string what);
@@ -82,7 +83,7 @@ public:
 
   void show(const std::string& text);
 
-  /** \brief Leaves the last text. */
+  /** \brief Keeps the last text on the screen. */
   void end();
 
 private:

@@ -41,7 +41,7 @@ limitResources()
 {
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-#if !defined(__SANITIZE_ADDRESS__) // which reserves more than any machine has
+#if !defined(__SANITIZE_ADDRESS__) // it reserves more memory than any machine has
   const rlim_t memory =
       rlim_t(::sysconf(_SC_PHYS_PAGES)) * rlim_t(::sysconf(_SC_PAGESIZE)) / 4 * 3;
   rlimit limit{};
@@ -51,11 +51,11 @@ limitResources()
   }
 #endif
 #ifdef __linux__
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // nobody else would end it
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // otherwise the trial would outlive it
 #endif
 }
 
-// Starts this program once more, which says nothing. \return 0 if that cannot be
+// Starts this program again without output. \return 0 if this fails
 pid_t
 start(const std::vector<std::string>& arguments)
 {
@@ -74,7 +74,7 @@ start(const std::vector<std::string>& arguments)
   return error == 0 ? process : 0;
 }
 
-// As waitpid(). \return false if it takes too long: it is killed then
+// Like waitpid(). \return false after a timeout: it kills the process
 bool
 waitFor(pid_t process, int& status)
 {
@@ -90,7 +90,7 @@ waitFor(pid_t process, int& status)
   return true;
 }
 
-// What the user has sent to both of us.
+// Whether the user interrupted both processes.
 bool
 isInterrupt(int status)
 {
@@ -108,11 +108,11 @@ tryNetwork(const std::string& description, const std::string& model,
   if (tried.count(network) > 0)
     return;
   std::signal(SIGCHLD,
-              SIG_DFL); // some parents leave it so that nobody can be waited for
+              SIG_DFL); // with an inherited SIG_IGN, waitpid() would fail
   const pid_t process = start(
       {"pcl_semantic_" + std::string(mode + 2), mode, description, model, engine});
   if (process == 0)
-    return; // as in a system without /proc
+    return; // for example without /proc
   const std::string name = model.empty() ? description : model;
   int status = 0;
   const bool has_ended = waitFor(process, status);

@@ -8,19 +8,19 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief openNetwork() after a trial: loads the network and has it label one grey
- * image, in a process of its own with bounded memory and time: engines trust the files
- * they read, and some of these end the program. The exit code of the process is
- * ignored: loading the network afterwards reports its errors. Once for each network.
+/** \brief Opens a network after a trial in a separate process, with bounded memory and
+ * time. The trial loads the network and labels one grey image, because engines trust
+ * their files and some files end the program. The exit code of the trial is ignored:
+ * loading the network afterwards reports its errors. Each network is tried once.
  *
- * \param[in] description, model, engine as openNetwork() takes them
- * \throws BadModelException also if a signal ends the process, or it does not end
+ * \param[in] description, model, engine as for openNetwork()
+ * \throws BadModelException also if a signal ends the trial, or it does not end
  * \throws std::bad_alloc if it runs out of memory */
 OpenedNetwork openTriedNetwork(const std::string& description, const std::string& model,
                                const std::string& engine);
 
-/** \brief The first thing that main() does in programs that open networks.
- * \return exit code, if this is the process that openTriedNetwork() has started */
+/** \brief Runs a trial. Programs that open networks call it first in main().
+ * \return exit code, if openTriedNetwork() started this process */
 std::optional<int> runAsNetworkTrial(int argc, char** argv);
 
 } // namespace pcl_semantic::tool

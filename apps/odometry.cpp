@@ -90,7 +90,7 @@ requireRowsAreFrames(const FrameSequence& sequence,
                  "--format tum");
 }
 
-// What comes out, frame by frame.
+// Results per frame.
 struct Tracked {
   TimedTrajectory trajectory;
   std::vector<int> lost;
@@ -152,7 +152,7 @@ track(const Options& options)
     refuseIf(std::filesystem::path(path).extension() == ".png",
              path + ": is a name for an image");
   setNumberOfThreads(options.threads);
-  parseFrameRange(options.frames); // wrong options are found first
+  parseFrameRange(options.frames); // reports wrong options first
   const std::unique_ptr<FrameSequence> opened = openSequenceOf(options.sequence);
   const FrameSequence& sequence = *opened;
   const ImagePairFiles& files = options.sequence.files;

@@ -25,7 +25,7 @@ namespace mpi = boost::mpi;
 
 constexpr int request = 1, answer = 2; // tags
 
-// MPI started by nobody would look for the network all the same.
+// MPI started without a launcher would still search the network.
 bool
 isStartedByMpi()
 {
@@ -36,7 +36,7 @@ isStartedByMpi()
   return false;
 }
 
-// Hands out numbers to the other ranks until each has heard that there are no more.
+// Gives numbers to the other ranks until each was told that none are left.
 class Counter {
 public:
   Counter(const mpi::communicator& world, std::size_t count)
@@ -56,7 +56,7 @@ public:
     return number < count_ ? number : count_;
   }
 
-  /** \brief When all tasks are given out: waits until all ranks know. */
+  /** \brief Waits until all ranks were told that no tasks are left. */
   void
   wait()
   {
@@ -89,7 +89,7 @@ private:
   std::atomic<std::size_t> next_{0};
   std::atomic<int> waiting_{world_.size() - 1}; // ranks
   std::atomic<bool> is_given_up_{false};
-  std::thread server_; // last: it uses the others
+  std::thread server_; // last: it uses the other members
 };
 
 } // namespace
@@ -129,7 +129,7 @@ Ranks::wait() const
 {
   if (!processes_)
     return;
-  // As a barrier, but waiting in MPI would keep a processor busy.
+  // A barrier; waiting in MPI would keep a processor busy.
   MPI_Request arrived;
   MPI_Ibarrier(processes_->world, &arrived);
   for (int all = 0; !all;) {

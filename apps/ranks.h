@@ -9,12 +9,12 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief The processes that work together, as mpirun or Slurm has started them: one,
- * where neither has, or where it is built without MPI. All methods but those that say
- * otherwise are called by all of them, in the same order. */
+/** \brief The parallel processes started by mpirun or Slurm: one without either, or
+ * without MPI in the build. All processes must call all methods in the same order,
+ * unless stated otherwise. */
 class Ranks {
 public:
-  /** \brief Once, before any other thread begins. */
+  /** \brief Must be called once, before any other thread starts. */
   Ranks(int& argc, char**& argv);
   ~Ranks();
 
@@ -22,27 +22,27 @@ public:
 
   int size() const;
 
-  /** \brief Waits for all. */
+  /** \brief Waits for all processes. */
   void wait() const;
 
-  /** \brief Gives what rank 0 has to all. */
+  /** \brief Sends rank 0's texts to all processes. */
   void broadcast(std::vector<std::string>& texts) const;
 
-  /** \brief Gathers a list of texts from each process, in the order of their ranks, for
-   * all. */
+  /** \brief Gathers the texts of all processes, in order of ranks, on all processes. */
   std::vector<std::string> gather(const std::vector<std::string>& texts) const;
 
   /** \brief Runs the tasks 0, 1, ... count - 1, each once, on any idle process; waits
-   * for the last. What a task throws leaves it, and leaves the others waiting: stop().
-   */
+   * for the last. An exception of a task leaves this process, while the others wait:
+   * call stop(). */
   void share(std::size_t count, const std::function<void(std::size_t)>& task) const;
 
-  /** \brief Ends all of them, by one that failed; returns if there is no other. */
+  /** \brief Ends all processes, called by a failed one; returns if there are no
+   * others. */
   void stop(int code) const;
 
 private:
   struct Processes;
-  std::unique_ptr<Processes> processes_; // null: one
+  std::unique_ptr<Processes> processes_; // null: one process
 };
 
 } // namespace pcl_semantic::tool

@@ -8,20 +8,23 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Opens the inputs of a map; tries a network before. \throws as openInputs() */
+/** \brief Opens the inputs of a map, after a trial of the network. \throws as
+ * openInputs() */
 OpenedInputs openInputsOf(const MapInputs& inputs, const MapperConfig& config,
                           VideoOpener open_videos = nullptr);
 
 /** \brief Maps a recording until its end or an interrupt (interrupted()).
- * \return its outputs \throws as a tool's body */
+ * \return its outputs
+ * \throws exceptions of a tool's body */
 Results mapRecording(const MapOptions& options, OpenedInputs inputs);
 
-/** \brief Maps a recording into an archive alone, unless it holds that map already.
+/** \brief Maps a recording into an archive only, unless it contains that map already.
  * \param[in] run its outputs are an archive that is resumed
- * \return whether something was to do */
+ * \return whether anything was mapped */
 bool mapIntoArchive(const MapOptions& run);
 
-/** \brief The outputs of a submap: an archive and a folder named by its first frame. */
+/** \brief The outputs of a submap: an archive and a folder, named by its first
+ * frame. */
 MapOutputs submapOutputs(const MapOutputs& outputs, const std::string& frames);
 
 } // namespace pcl_semantic::tool

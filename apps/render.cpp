@@ -96,7 +96,7 @@ render(const Arguments& arguments)
   const Trajectory poses = tool::posesInScene(map);
   const VoxelColours colours = coloursOf(arguments, map);
   const SceneView view = tool::viewOf(arguments.picture, map.scene, poses);
-  // The path would lead out of the camera's own eye.
+  // From the camera, the path would cover the view.
   const cv::Mat picture = drawVoxels(
       map.scene, colours, view,
       arguments.picture.view == "camera" ? SensorPath() : tool::pathOf(poses));

@@ -13,44 +13,46 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief From where a map is seen, as a picture or in a window. */
+/** \brief View of a map, for an image or a window. */
 struct RenderOptions {
   MapHints hints;
   std::string view = "angle";    ///< angle, above, camera
   cv::Size size;                 ///< [px]
   bool looks_from = false;       ///< whether the next two are given
-  Eigen::Vector3d from, look_at; ///< as the cloud's points [m]
+  Eigen::Vector3d from, look_at; ///< in the frame of the cloud's points [m]
   int frame = 0;                 ///< row of the trajectory
 
-  /** \brief Options as they are typed. */
+  /** \brief Unparsed options. */
   struct Texts {
     std::string from, look_at, size = "1600x900";
   } texts;
 };
 
-/** \brief The options \a first, then --trajectory, --from, --look-at, --label-set,
- * --voxel-size, --view and --frame, then \a last; --size is the program's own. */
+/** \brief Returns the options \a first, then --trajectory, --from, --look-at,
+ * --label-set, --voxel-size, --view and --frame, then \a last. The program adds
+ * --size. */
 std::vector<Option> withRenderOptions(RenderOptions& options, std::vector<Option> first,
                                       const std::vector<Option>& last);
 
-/** \brief Reads what was typed. \param[in] values the command line: what has no effect
- * with the rest is refused \throws InvalidParameterException */
+/** \brief Parses the texts.
+ * \param[in] values the command line; options without effect are refused
+ * \throws InvalidParameterException */
 void readRenderOptions(const po::variables_map& values, RenderOptions& options);
 
-/** \brief Refuses what is not class, rgb or entropy.
+/** \brief Refuses colours other than class, rgb and entropy.
  * \throws InvalidParameterException */
 void requireColour(const std::string& colour);
 
 /** \brief Options of earlier versions, see refuseRemoved(). */
 extern const std::vector<std::pair<std::string, std::string>> removed_render_options;
 
-/** \brief The view that the options ask for, in the frame of the scene's indices.
- * \param[in] poses as posesInScene() has them
- * \throws InvalidParameterException if there is no such pose or position */
+/** \brief Returns the view of the options, in the frame of the scene's indices.
+ * \param[in] poses result of posesInScene()
+ * \throws InvalidParameterException if the pose or position does not exist */
 SceneView viewOf(const RenderOptions& options, const VoxelScene& scene,
                  const Trajectory& poses);
 
-/** \brief Where the camera was. */
+/** \brief Path of the camera. */
 SensorPath pathOf(const Trajectory& poses);
 
 } // namespace pcl_semantic::tool

@@ -15,27 +15,27 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief The options of a sequence, and after them \a more. */
+/** \brief The options of a sequence, followed by \a more. */
 std::vector<Option> withSequence(SequenceFiles& files, const std::vector<Option>& more);
 
-/** \brief Opens it, with warnings. \throws BadInputException */
+/** \brief Opens a sequence and prints its warnings. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequenceOf(const SequenceFiles& files);
 
-/** \brief Indices of the frames that are in the range A:B.
+/** \brief Indices of the frames in the range A:B.
  * \throws BadInputException if there are none */
 std::vector<std::size_t> chooseFrames(const SequenceFiles& files,
                                       const FrameSequence& sequence,
                                       const std::string& range);
 
-/** \brief Looks at the pairs of a run: warns of each fault once, and at the end how
- * many pairs had it; or refuses the first pair that looks wrong. */
+/** \brief Checks the pairs of a run. Warns of each kind of fault once and prints the
+ * number of its pairs at the end, or refuses the first suspicious pair. */
 class PairWatch {
 public:
   /** \param[in] strict refuse instead of warning */
   explicit PairWatch(bool strict) : strict_(strict) {}
 
-  /** \param[in] camera of the images: its principal point has to be near their middle
-   * \throws BadInputException if it is strict and that is elsewhere */
+  /** \param[in] camera of the images; its principal point should be near their centre
+   * \throws BadInputException if \a strict and it is elsewhere */
   PairWatch(bool strict, const StereoCamera& camera);
 
   ~PairWatch();
@@ -43,10 +43,10 @@ public:
   PairWatch& operator=(const PairWatch&) = delete;
 
   /** \param[in] name of the pair: "frame 12"
-   * \throws BadInputException if it is strict and the pair looks wrong */
+   * \throws BadInputException if strict and the pair is suspicious */
   void look(const StereoFrame& frame, const std::string& name);
 
-  /** \brief Calls it by its number. */
+  /** \brief Names the pair by its frame number. */
   void
   look(const StereoFrame& frame)
   {
@@ -55,7 +55,7 @@ public:
 
 private:
   bool strict_;
-  std::map<PairFault, int> warned_; ///< pairs with a fault
+  std::map<PairFault, int> warned_; ///< number of pairs by fault
 };
 
 } // namespace pcl_semantic::tool

@@ -80,7 +80,7 @@ parse(int argc, char** argv)
   return options;
 }
 
-// What to write for each pair: a cloud and, if wanted, a picture.
+// Paths of the outputs of a pair: a cloud and optionally an image.
 struct Outputs {
   std::string cloud, picture;
 };
@@ -125,7 +125,7 @@ requireKindsOfFiles(const Options& options)
       {options.output, options.disparity});
 }
 
-// Gives the fraction of pixels that have a depth.
+// Returns the fraction of pixels with a depth.
 double
 processPair(const Options& options, const StereoFrame& frame,
             const StereoCamera& camera, DisparityEstimator& estimator,

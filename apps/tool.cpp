@@ -34,7 +34,7 @@ namespace {
 volatile std::sig_atomic_t interrupt_count = 0;
 volatile std::sig_atomic_t interrupts_that_end = 2;
 
-// Only write() and _exit() may be called here.
+// Only async-signal-safe functions such as write() and _exit() may be called here.
 extern "C" void
 onInterrupt(int)
 {
@@ -45,10 +45,10 @@ onInterrupt(int)
       "\ninterrupted: the map is being finished; the third Ctrl-C ends at once\n";
   if (interrupt_count == 1 && interrupts_that_end > 2 &&
       ::write(STDERR_FILENO, text.data(), text.size()) < 0)
-    return; // nobody reads it
+    return; // no reader
 }
 
-// The class that a number or a name of --ignore means.
+// Finds a class of --ignore by number or name.
 Label
 ignoredLabel(const std::string& word, const LabelSet& label_set)
 {
@@ -89,9 +89,9 @@ int
 run(const std::string& name, const std::function<int()>& body)
 {
   manner().name = name;
-  // PCL would otherwise print its own lines beside ours.
+  // PCL would otherwise print its own messages.
   pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
-  // What cannot be written is an error with a word, not the end of the process.
+  // A failed write becomes an error message instead of a signal.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {
@@ -239,7 +239,7 @@ keepFreedMemory()
   mallopt(M_MMAP_THRESHOLD, more_than_any);
   mallopt(M_TRIM_THRESHOLD, more_than_any);
   mallopt(M_TOP_PAD, 1 << 26);
-  // The heap that comes next in huge pages; it takes none until it is written to.
+  // Requests huge pages for the next heap. They use no memory until written to.
   constexpr std::size_t size = std::size_t(1) << 29, page = std::size_t(1) << 21;
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY)
@@ -257,10 +257,10 @@ restartWithShortSpins(char** argv)
 {
   if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY"))
     return;
-  std::error_code error; // under its own name, for ps and killall
+  std::error_code error; // with its own name, for ps and killall
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (!error && setenv("GOMP_SPINCOUNT", "1000", 1) == 0)
-    execv(program.c_str(), argv); // comes back if it cannot: then they spin
+    execv(program.c_str(), argv); // returns on failure: threads spin then
 }
 
 } // namespace pcl_semantic::tool

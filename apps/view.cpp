@@ -16,8 +16,8 @@
 #include <set>
 
 #ifdef __SANITIZE_ADDRESS__
-// What draws without a graphics card never frees 112 bytes. It is no longer loaded when
-// they are counted, so they cannot be passed over by name.
+// A software renderer leaks 112 bytes. It is unloaded before leaks are counted, so a
+// suppression by name is impossible.
 extern "C" const char*
 __asan_default_options()
 {
@@ -34,12 +34,12 @@ using tool::RenderOptions;
 
 struct Arguments {
   std::string map, screenshot;
-  std::string colour;            ///< empty = the first that the map has
+  std::string colour;            ///< empty = the map's first
   std::vector<std::string> hide; ///< names of classes
   std::string images;            ///< a sequence; empty = none
-  std::vector<std::string> keys; ///< pressed at the beginning
+  std::vector<std::string> keys; ///< pressed at the start
   tool::ViewState state;         ///< with the ceiling
-  bool follow = false;           ///< the map is being made
+  bool follow = false;           ///< the map is growing
   int threads = 0;
   RenderOptions picture;
 };
@@ -122,7 +122,7 @@ parse(int argc, char** argv)
 
 constexpr std::size_t kMaxImages = 12;
 
-// A view of a map as a whole, so that the panel does not lie on it.
+// A view of the whole map that the panel does not cover.
 SceneView
 besidePanel(const std::string& name, RenderOptions options, const VoxelScene& scene,
             const Trajectory& poses)
@@ -137,7 +137,7 @@ besidePanel(const std::string& name, RenderOptions options, const VoxelScene& sc
   return view;
 }
 
-// The view that was asked for, and those that are always there.
+// The requested view, followed by the standard views.
 std::vector<SceneView>
 viewsOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& poses)
 {
@@ -158,7 +158,7 @@ viewsOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory&
   return views;
 }
 
-// Where the camera is now, seen from behind it.
+// The camera's current position, seen from behind.
 SceneView
 behindCamera(const tool::ViewedMap& map, const Arguments& arguments)
 {
@@ -182,7 +182,7 @@ labelsOf(const std::vector<std::string>& names, const LabelSet& label_set)
   return labels;
 }
 
-// A map, from where it can be seen, and what of it is shown.
+// A map with its views and its visible parts.
 struct OpenedMap {
   tool::ViewedMap map;
   std::vector<SceneView> views;
@@ -218,8 +218,8 @@ openMap(const Arguments& arguments)
   return opened;
 }
 
-// Shows the map of a folder while pcl_semantic_map --view writes to it: what is around
-// the sensor after each frame, and at the end the whole.
+// Shows the map of a folder while pcl_semantic_map --view writes to it: the
+// surroundings of the sensor after each frame, and finally the whole map.
 class FollowedMap {
 public:
   FollowedMap(const Arguments& arguments, MapViewer& viewer)
@@ -244,7 +244,7 @@ public:
         show(openMap(arguments_));
       }
       catch (const BadInputException&) {
-        // Nothing to look at yet, or on its way from one frame to the next.
+        // The map is missing or currently being replaced.
       }
       return;
     }
@@ -257,7 +257,7 @@ private:
     if (!opened.map.path.empty()) {
       opened.views.insert(opened.views.begin(), behindCamera(opened.map, arguments_));
       const Eigen::Vector3d position = opened.map.path.back().translation();
-      if (!is_first_) // it comes along
+      if (!is_first_) // the camera follows the sensor
         viewer_.move(position - last_position_);
       last_position_ = position;
     }
@@ -273,7 +273,7 @@ private:
   Arguments arguments_;
   MapViewer& viewer_;
   const std::string folder_;
-  std::filesystem::file_time_type shown_; // when that map was written
+  std::filesystem::file_time_type shown_; // time of the shown map
   bool is_first_ = true;
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero(); // of the camera
 };
@@ -311,7 +311,7 @@ followMap(const Arguments& arguments)
   FollowedMap map(arguments, viewer);
   std::cout << "following: " << arguments.map << std::endl;
   std::signal(SIGPIPE,
-              SIG_IGN); // the program that started the window may end before it
+              SIG_IGN); // the program that started the window may end earlier
   viewer.run([&] { map.update(); });
   return leave(arguments, viewer);
 }

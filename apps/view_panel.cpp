@@ -16,7 +16,7 @@ constexpr int kRow = 20, kMargin = 10, kSwatch = 13;
 constexpr double kLetters = 0.86;
 const cv::Scalar pale(170, 166, 164);
 
-// Writes rows below each other, as long as there is room.
+// Writes rows below each other, while there is space.
 class PanelWriter {
 public:
   explicit PanelWriter(int max_rows)
@@ -27,7 +27,7 @@ public:
   void
   line(const std::string& text, const cv::Scalar& colour = light_theme.text)
   {
-    // What is too wide becomes smaller.
+    // Reduces text that is too wide.
     const double size = std::min(kLetters, kLetters * (kPanelWidth - 2 * kMargin) /
                                                textWidth(text, kLetters));
     if (hasRoom())

@@ -13,7 +13,7 @@ constexpr int kPanelWidth = 270; ///< [px]
 struct ViewPanel {
   cv::Mat picture; ///< CV_8UC3 (BGR)
 
-  /** \brief A row of it that toggles a class. */
+  /** \brief A row of the panel that toggles a class. */
   struct Row {
     int top = 0, bottom = 0; ///< [px]
     Label label = kUnlabelled;
@@ -21,7 +21,7 @@ struct ViewPanel {
   std::vector<Row> rows;
 };
 
-/** \brief Draws it. \param[in] max_rows of pixels that there is room for */
+/** \brief Draws the panel. \param[in] max_rows height limit in pixels */
 ViewPanel drawPanel(const ViewedMap& map, const ViewState& state, int max_rows);
 
 } // namespace pcl_semantic::tool

@@ -14,9 +14,9 @@ namespace pcl_semantic::tool {
 namespace {
 
 constexpr int kImageColumns = 480;
-constexpr double kImagesApart = 1.5; // at least [m]
+constexpr double kImagesApart = 1.5; // minimum [m]
 
-// The legend names classes in this order, unlabelled at the end.
+// Classes in the legend's order, unlabelled last.
 std::vector<ViewedClass>
 classesOf(const std::vector<Label>& labels, const std::vector<LegendEntry>& legend)
 {
@@ -30,7 +30,7 @@ classesOf(const std::vector<Label>& labels, const std::vector<LegendEntry>& lege
   return classes;
 }
 
-// A picture of no more than so many columns, its camera with it.
+// Reduces an image to a maximum width, including its camera.
 ViewedImage
 smallImage(const cv::Mat& image, const StereoCamera& camera,
            const Eigen::Isometry3d& T_map_camera, int columns)
@@ -57,8 +57,7 @@ smallImage(const cv::Mat& image, const StereoCamera& camera,
   return picture;
 }
 
-// Moves the ceiling by so many layers of voxels, from the end of the map if there was
-// none.
+// Moves the ceiling by some layers of voxels, initially from the top of the map.
 Redraw
 moveCeiling(const ViewedMap& map, int layers, double& ceiling)
 {

@@ -16,13 +16,13 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief One way to paint a map. */
+/** \brief Colours of a map. */
 struct Colouring {
-  std::string name; ///< as --colour has it
+  std::string name; ///< as in --colour
   VoxelColours colours;
 };
 
-/** \brief A class that a map has, as its legend shows it. */
+/** \brief A class of a map, for its legend. */
 struct ViewedClass {
   Label label = kUnlabelled;
   LegendEntry entry;
@@ -35,15 +35,15 @@ struct ViewedImage {
   Eigen::Isometry3d T_map_camera = Eigen::Isometry3d::Identity();
 };
 
-/** \brief All that a window shows of a map, painted and ready to be drawn. Positions
- * are those of the cloud's points [m]. */
+/** \brief The content of a window on a map, ready for drawing. Positions are in the
+ * frame of the cloud's points [m]. */
 struct ViewedMap {
   std::string title;
   VoxelGrid grid;
   std::vector<VoxelIndex> indices;
-  std::vector<Label> labels; ///< of each voxel
+  std::vector<Label> labels; ///< per voxel
   std::vector<ViewedClass> classes;
-  std::vector<Colouring> colourings; ///< those that the map can be painted with
+  std::vector<Colouring> colourings; ///< available ones
   Trajectory path;                   ///< of the camera
   std::vector<ViewedImage> pictures;
 
@@ -62,27 +62,27 @@ ViewedMap viewedMap(const VoxelScene& scene, const LabelSet& label_set,
                     const std::string& title);
 
 /** \brief Index of a colouring in the map.
- * \throws InvalidParameterException if the map cannot be painted so */
+ * \throws InvalidParameterException if the map does not have it */
 std::size_t colouringOf(const ViewedMap& map, const std::string& name);
 
-/** \brief Some pictures of a KITTI sequence, evenly along the path and the
- * last among them, small.
+/** \brief Reads some small images of a KITTI sequence, evenly distributed along the
+ * path, including the last one.
  * \param[in] T_map_camera0 row n belongs to frame n
- * \param[in] most how many
- * \throws BadInputException if it cannot be read or no frame has a pose */
+ * \param[in] most maximum number
+ * \throws BadInputException if an image cannot be read or no frame has a pose */
 std::vector<ViewedImage> imagesOf(const std::string& sequence,
                                   const Trajectory& T_map_camera0, std::size_t most);
 
 /** \brief State of the view of a map; keys change it. */
 struct ViewState {
   std::set<Label> hidden;
-  std::size_t colouring = 0;                              ///< of the map's
+  std::size_t colouring = 0;                              ///< index of the map's
   double below = std::numeric_limits<double>::infinity(); ///< ceiling [m]
   bool path = true, pictures = false, panel = true, help = false;
-  int view = 0; ///< which of the views the camera takes next
+  int view = 0; ///< index of the next view of the camera
   bool is_closed = false;
 
-  /** \brief Whether a voxel is to be seen. */
+  /** \brief Whether a voxel is visible. */
   bool
   shows(const ViewedMap& map, std::size_t voxel) const
   {
@@ -90,21 +90,21 @@ struct ViewState {
   }
 };
 
-/** \brief The part that has to be drawn again. */
+/** \brief The part to redraw. */
 enum class Redraw { nothing, panel, voxels, camera };
 
-/** \brief Does what a key stands for.
- * \param[in] key as X names it: "m", "3", "Up"
- * \param[in] views how many there are */
+/** \brief Handles a key.
+ * \param[in] key X's name of it: "m", "3", "Up"
+ * \param[in] views number of views */
 Redraw press(const std::string& key, const ViewedMap& map, int views, ViewState& state);
 
 /** \brief Shows a class if it is hidden, hides it if it is shown. */
 void toggle(Label label, ViewState& state);
 
-/** \brief The key of a class: its number, 0 for the tenth; none for those behind it. */
+/** \brief The key of a class: its number, 0 for the tenth; none for later classes. */
 std::string keyOf(Label label);
 
-/** \brief A line for each key: what it does. */
+/** \brief Help on the keys, one line per key. */
 const std::vector<std::string>& helpOnKeys();
 
 } // namespace pcl_semantic::tool

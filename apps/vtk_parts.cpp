@@ -32,14 +32,14 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-// A face of a cube that can be seen: its corners, counterclockwise as seen from
-// outside, and their colours.
+// A visible face of a cube: its corners, counterclockwise from outside, and their
+// colours.
 struct VoxelFace {
-  std::array<std::array<float, 3>, 4> corners;        // as the cloud's points [m]
+  std::array<std::array<float, 3>, 4> corners;        // in the frame of the points [m]
   std::array<std::array<std::uint8_t, 3>, 4> colours; // red, green, blue
 };
 
-// How much light falls on a face: below, above, and the sides, by axis.
+// Brightness of a face by axis and side: below, above, and the sides.
 constexpr double kLight[3][2] = {{0.86, 0.72}, {0.70, 0.79}, {0.55, 1.0}};
 constexpr double kCornerShade = 0.09;
 
@@ -66,7 +66,7 @@ private:
   VoxelFace
   face(std::size_t voxel, const VoxelIndex& front, int axis, int side)
   {
-    // Round the face, so that it is counterclockwise for the upper side.
+    // Order around the face, counterclockwise for the upper side.
     constexpr int round[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     const cv::Vec3b& colour = colours_.colours[voxel];
@@ -90,7 +90,7 @@ private:
     return face;
   }
 
-  // Voxels beside the cell in front of a face take light from its corner.
+  // Voxels beside the cell in front of a face darken its corner.
   double
   openness(const VoxelIndex& front, int b, int c, int to_b, int to_c)
   {
@@ -109,7 +109,7 @@ private:
   VoxelSet::Reader reader_;
 };
 
-// The faces between what is shown of a map and the rest.
+// The faces between visible voxels of a map and the rest.
 std::vector<VoxelFace>
 facesOf(const ViewedMap& map, const ViewState& state)
 {
@@ -129,10 +129,11 @@ facesOf(const ViewedMap& map, const ViewState& state)
   return faces;
 }
 
-// Drawn while the camera moves, where all faces would take too long.
+// Drawn while the camera moves, because large maps have too many faces.
 constexpr std::size_t kFewPoints = 60000;
 
-// Squares of the four corners of each face, or one corner of every step-th as a point.
+// Draws squares by the four corners of each face, or one corner of every step-th face
+// as a point.
 template <int corners>
 vtkSmartPointer<vtkPolyDataMapper>
 mapperOf(const std::vector<VoxelFace>& faces, std::size_t step)
@@ -202,7 +203,7 @@ lineActor(const std::vector<SensorPath>& lines, float width)
   return actor;
 }
 
-// Rows go up, and red comes first.
+// VTK's rows go up, and red is first.
 vtkSmartPointer<vtkImageData>
 imageOf(const cv::Mat& picture)
 {
@@ -273,7 +274,7 @@ flatActorOf(const cv::Mat& picture)
 {
   const auto mapper = vtkSmartPointer<vtkImageMapper>::New();
   mapper->SetInputData(imageOf(picture));
-  mapper->SetColorWindow(255.0); // as they are
+  mapper->SetColorWindow(255.0); // unscaled
   mapper->SetColorLevel(127.5);
   auto actor = vtkSmartPointer<vtkActor2D>::New();
   actor->SetMapper(mapper);
@@ -292,7 +293,7 @@ setCamera(vtkCamera& camera, const SceneView& view, const ViewedMap& map)
   camera.SetParallelProjection(view.pixels_per_metre > 0.0);
   if (view.pixels_per_metre > 0.0) {
     camera.SetParallelScale(0.5 * lens.height / view.pixels_per_metre);
-    from.z() = middle.z() + 200.0; // instead of so far that rays are nearly parallel
+    from.z() = middle.z() + 200.0; // near: far rays are almost parallel
   }
   const double distance = std::max(1.0, axes.col(2).dot(middle - from));
   const Eigen::Vector3d to = from + distance * axes.col(2), up = -axes.col(1);

@@ -12,29 +12,29 @@ class vtkActor2D;
 class vtkCamera;
 class vtkRenderWindow;
 
-/** \brief Parts of a scene of VTK. Colours are as they are given: there is no light. */
+/** \brief Parts of a VTK scene, without lights: colours are drawn unchanged. */
 namespace pcl_semantic::tool {
 
-/** \brief The faces between what is shown of a map and the rest, shaded as the pictures
- * of maps are: by their orientation and in the corners between voxels. A face that
- * looks up and lies open has the very colour of its voxel. While the camera moves some
- * points are drawn instead, where all faces would take too long. */
+/** \brief The faces between visible voxels of a map and the rest, shaded by orientation
+ * and in the corners between voxels, as in rendered images. An open upper face has
+ * exactly its voxel's colour. While the camera moves, a subset of points is drawn
+ * instead, because large maps have too many faces. */
 vtkSmartPointer<vtkActor> actorOf(const ViewedMap& map, const ViewState& state);
 
-/** \brief The path of a camera, in the red of the pictures. */
+/** \brief The path of a camera, in the red of rendered images. */
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
-/** \brief A picture in front of the place where it was taken, and the rays from there
- * to its corners. */
+/** \brief An image at its camera's position, with rays from the camera to its
+ * corners. */
 std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedImage& picture);
 
-/** \brief A picture in the lower left corner of the window. */
+/** \brief An image in the lower left corner of the window. */
 vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
 
-/** \brief Has a camera see as a view of a map does, and turn about its middle. */
+/** \brief Sets a camera to a view of a map; it rotates about the map's centre. */
 void setCamera(vtkCamera& camera, const SceneView& view, const ViewedMap& map);
 
-/** \brief Picture of the window: CV_8UC3 (BGR). */
+/** \brief Renders the window: CV_8UC3 (BGR). */
 cv::Mat pictureOf(vtkRenderWindow& window);
 
 } // namespace pcl_semantic::tool

@@ -130,7 +130,7 @@ requirePcdName(const std::string& path)
 
 namespace {
 
-// As a file of parameters has it.
+// Formats a value as in a parameter file.
 std::string
 textOf(const py::handle& value)
 {
@@ -193,10 +193,10 @@ labelSetOf(const std::string& path_or_name)
 
 namespace {
 
-// A type of floating-point numbers by what it rounds off.
+// A floating-point type with its precision.
 struct FloatType {
   const char* name;
-  int digits; // binary ones behind the first
+  int digits; // binary digits after the first
 
   double
   stepAt(double distance) const
@@ -215,8 +215,8 @@ floatTypeOf(const py::array& array)
   return {"double precision", 52};
 }
 
-// Half of the positions are farther away, by their largest coordinate; 0 if there is
-// none. Columns that are not finite are passed over.
+// Median distance of the positions, by their largest coordinate; 0 if there are none.
+// Columns that are not finite are ignored.
 template <typename Positions>
 double
 middleDistance(const Positions& positions)
@@ -267,7 +267,7 @@ poseOf(const py::object& pose, double voxel_size)
   Eigen::Isometry3d T_world_sensor(Eigen::Matrix4d(
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data())));
   requireRigid(T_world_sensor, "the pose");
-  T_world_sensor.makeAffine(); // without what its last row was off
+  T_world_sensor.makeAffine(); // makes its last row exact
   warnOfSteps(any, T_world_sensor.translation(), voxel_size, "the pose");
   return T_world_sensor;
 }
@@ -300,8 +300,8 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
   return cloud;
 }
 
-// Of half precision: as doubtOfSteps() tells of the cloud moved so far away that single
-// precision has the same steps there.
+// Checks half precision: calls doubtOfSteps() for the cloud at a distance where single
+// precision has the same steps.
 void
 warnOfHalfSteps(pcl::PointCloud<pcl::PointXYZRGBL> cloud, const FloatType& type)
 {
@@ -313,7 +313,7 @@ warnOfHalfSteps(pcl::PointCloud<pcl::PointXYZRGBL> cloud, const FloatType& type)
     warnOfSteps("points", type, distance, "the points' distances");
 }
 
-// What doubtOfSteps() finds, with what to do about a scan: its numbers may be doubles.
+// Reports doubtOfSteps() with a hint for scans, whose input may be doubles.
 void
 warnOfScanSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 {
@@ -370,7 +370,7 @@ localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 
 namespace {
 
-// N x L in rows is L x N in columns.
+// N x L row by row is L x N column by column.
 template <typename T>
 LabelDistributions
 distributionsOfRows(const Array<T>& rows)

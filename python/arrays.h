@@ -26,15 +26,15 @@ namespace pcl_semantic::python {
 
 namespace py = pybind11;
 
-/** \brief Of this type and row by row: converted if it is not, else without a copy.
- * Complex numbers are refused: numpy would drop a part of them. */
+/** \brief An array of this type, row by row, converted if necessary, else without a
+ * copy. Complex numbers are refused because numpy would drop a part of them. */
 template <typename T>
 class Array : public py::array_t<T, py::array::c_style | py::array::forcecast> {
 public:
   using py::array_t<T, py::array::c_style | py::array::forcecast>::array_t;
 };
 
-/** \brief A path: str, bytes or os.PathLike. A NUL in it is a ValueError. */
+/** \brief A path: str, bytes or os.PathLike. A path with a NUL raises ValueError. */
 struct Path {
   std::string text;
 
@@ -45,43 +45,46 @@ template <typename T> using MaybeArray = std::optional<Array<T>>;
 
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
 
-/** \brief An array of real numbers, of which numpy would drop nothing: the mask of
- * numpy.ma, an imaginary part, the unit of a time, None. \return null if it is no array
+/** \brief Returns an array of real numbers. Refuses everything that numpy would drop:
+ * the mask of numpy.ma, an imaginary part, the unit of a time, None.
+ * \return null if it is no array
  * \throws value_error */
 py::array asNumbers(const py::handle& array);
 
-/** \brief The same. \throws type_error if it is no array */
+/** \brief Like asNumbers(). \throws type_error if it is no array */
 py::array numbersOf(const py::handle& array);
 
-/** \brief Whether fork() has made this process since the module was loaded. */
+/** \brief Whether fork() created this process after the module was loaded. */
 bool isForked();
 
-/** \brief What \a work gives; other threads of Python may run meanwhile. */
+/** \brief Returns the result of \a work; other Python threads may run meanwhile. */
 template <typename Work>
 auto
 released(Work&& work)
 {
   const py::gil_scoped_release others_may_run;
-  // A fork takes none of OpenMP's threads along, and the thread that had begun them
-  // would wait for them for ever. Another one begins its own.
+  // A forked process has none of OpenMP's threads, and a thread that used them before
+  // would wait for them forever. A new thread starts its own.
   if (isForked())
     return std::async(std::launch::async, std::forward<Work>(work)).get();
   return work();
 }
 
-/** \brief Warns as Python does. \throws py::error_already_set if warnings are errors */
+/** \brief Warns by Python's warnings. \throws py::error_already_set if warnings are
+ * errors */
 void warn(const std::string& message);
 
-/** \brief "480 x 640 x 3"; "one number" of an array without axes. */
+/** \brief Shape as text: "480 x 640 x 3"; "one number" without axes. */
 std::string shapeOf(const py::array& array);
 
-/** \brief Shape of an array: \a rows, or \a rows x \a columns. An empty list, which
- * numpy gives one axis, is no rows of any columns.
- * \throws InvalidParameterException that names it */
+/** \brief Requires the shape \a rows, or \a rows x \a columns. An empty list, which has
+ * one axis in numpy, counts as zero rows of any columns.
+ * \throws InvalidParameterException that names the array */
 void requireShape(const py::array& array, const char* name, py::ssize_t rows,
                   std::optional<py::ssize_t> columns = std::nullopt);
 
-/** \throws InvalidParameterException unless the array holds integers (or nothing) */
+/** \throws InvalidParameterException unless the array contains integers (or is
+ * empty) */
 void requireIntegers(const py::array& array, const char* name);
 
 /** \brief Whether an integer of 64 bits is within the range of another type. */
@@ -95,7 +98,7 @@ fitsInto(From value)
   return std::uint64_t(value) <= std::uint64_t(std::numeric_limits<To>::max());
 }
 
-/** \throws InvalidParameterException that names an integer out of the range of T */
+/** \throws InvalidParameterException that names an integer outside the range of T */
 template <typename T, typename Wide>
 void
 requireRange(const Array<Wide>& values, const char* name)
@@ -107,9 +110,9 @@ requireRange(const Array<Wide>& values, const char* name)
                    std::uint64_t(std::numeric_limits<T>::max()));
 }
 
-/** \brief Whole numbers of any kind as another kind of them.
- * \throws InvalidParameterException that names them, if they are no integers, or one is
- * not within the range of the other kind: as colours from 0 to 1 */
+/** \brief Converts integers to another integer type.
+ * \throws InvalidParameterException that names the array, if the numbers are no
+ * integers or one is out of range, for example colours from 0 to 1 */
 template <typename T>
 Array<T>
 integersOf(const py::object& values, const char* name)
@@ -123,7 +126,7 @@ integersOf(const py::object& values, const char* name)
   return Array<T>(array);
 }
 
-/** \brief The same of what may be None. */
+/** \brief The same conversion for an optional array. */
 template <typename T>
 MaybeArray<T>
 maybeIntegersOf(const py::object& values, const char* name)
@@ -131,41 +134,44 @@ maybeIntegersOf(const py::object& values, const char* name)
   return values.is_none() ? std::nullopt : MaybeArray<T>(integersOf<T>(values, name));
 }
 
-/** \brief The label that a number stands for: an instance is taken off.
- * \param[in] name of the numbers \param[in] point that has it, for the message
- * \throws BadInputException unless it is 0 to 255 */
+/** \brief Converts a number to a label and removes its instance.
+ * \param[in] name of the array
+ * \param[in] point index of the number, for the message
+ * \throws BadInputException unless the label is 0 to 255 */
 Label labelOf(std::int64_t number, const char* name, std::size_t point);
 
-/** \throws InvalidParameterException unless a name to write ends in .pcd */
+/** \throws InvalidParameterException unless an output name ends in .pcd */
 void requirePcdName(const std::string& path);
 
-/** \brief Sets parameters that are called as in YAML files.
- * \throws TypeError at a name that there is not */
+/** \brief Sets parameters by their names in YAML files.
+ * \throws TypeError at an unknown name */
 void setParameters(const ConfigParameters& parameters, const py::kwargs& values);
 
-/** \brief Refuses parameters that are given and have no effect.
- * \param[in] condition as the message ends: "without camera="
+/** \brief Refuses given parameters without effect.
+ * \param[in] condition end of the message: "without camera="
  * \throws InvalidParameterException that names the parameter and the condition */
 void refuseUnread(const py::kwargs& given, const std::vector<std::string>& unread,
                   const std::string& condition);
 
-/** \brief The same of the parameters of a CRF, see unreadParametersOfCRF(). */
+/** \brief Refuses parameters of a CRF without effect, see unreadParametersOfCRF(). */
 void refuseUnreadOfCRF(const py::kwargs& given, const std::string& model,
                        const std::string& cliques);
 
-/** \brief A label set by its file, or by the name of one that comes along. */
+/** \brief Reads a label set from its file, or an installed one by its name. */
 LabelSet labelSetOf(const std::string& path_or_name);
 
-/** \brief Warns of positions whose type has steps coarser than a tenth of a voxel:
- * those of single or half precision, far away. \param[in] given the array as it came,
- * for its type \param[in] positions 3 x N, the same [m] \param[in] name of them, for
- * the message */
+/** \brief Warns of positions whose type has steps coarser than a tenth of a voxel: far
+ * positions in single or half precision.
+ * \param[in] given the original array, for its type
+ * \param[in] positions the same, 3 x N [m]
+ * \param[in] name of the array, for the message */
 void warnOfSteps(const py::array& given,
                  const Eigen::Ref<const Eigen::Matrix3Xd>& positions, double voxel_size,
                  const char* name);
 
-/** \brief T_world_sensor of 4 x 4 numbers. Warns of a position that single precision
- * has spoilt. \param[in] voxel_size of the map [m] */
+/** \brief Converts 4 x 4 numbers to T_world_sensor. Warns of a position degraded by
+ * single precision.
+ * \param[in] voxel_size of the map [m] */
 Eigen::Isometry3d poseOf(const py::object& pose, double voxel_size);
 
 /** \brief A cloud whose positions are relative to an origin, see localOrigin() [m]. */
@@ -174,42 +180,42 @@ struct LocalCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-/** \brief N x 3 positions of any type [m] and, if there are any, N x 3 colours. Warns
- * of positions that single precision has spoilt. */
+/** \brief Makes a cloud from N x 3 positions of any type [m] and optional N x 3
+ * colours. Warns of positions degraded by single precision. */
 LocalCloud localCloudOf(const py::object& points,
                         const MaybeArray<std::uint8_t>& colours);
 
-/** \brief A scan: N x 3 positions in the sensor's frame [m] and, if there are any, N x
- * 3 colours. Warns of positions that single precision has spoilt: those in the world's
- * frame. */
+/** \brief Makes a scan from N x 3 positions in the sensor's frame [m] and optional N x
+ * 3 colours. Warns of positions degraded by single precision, which are probably in the
+ * world's frame. */
 pcl::PointCloud<pcl::PointXYZRGBL>::Ptr scanOf(const py::object& points,
                                                const MaybeArray<std::uint8_t>& colours);
 
-/** \brief N x L probabilities, None = none. As in files, a row sums to 1 within a
- * tenth, or is all zero: unlabelled. \throws BadInputException that names another one
- */
+/** \brief Converts N x L probabilities, None = none. As in files, a row must sum to 1
+ * within 0.1, or be all zero: unlabelled.
+ * \throws BadInputException that names another row */
 LabelDistributions distributionsOf(const py::object& probabilities, py::ssize_t points);
 
-/** \brief The same back, without a copy. */
+/** \brief Converts back to an array, without a copy. */
 py::array_t<float> arrayOf(LabelDistributions distributions);
 
 /** \brief Labels of a cloud. */
 py::array_t<std::uint8_t> labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud);
 
-/** \brief points (double, world frame), colours, labels, probabilities, observations
- * and indices of voxels. */
+/** \brief Converts voxels to a dict: points (double, world frame), colours, labels,
+ * probabilities, observations and indices. */
 py::dict dictOf(VoxelCloud voxels);
 
-/** \brief refine(), cliques(). */
+/** \brief Binds refine(), cliques(). */
 void bindClouds(py::module_& module);
 
-/** \brief SemanticVoxelMap, SemanticMapper, load_map(). */
+/** \brief Binds SemanticVoxelMap, SemanticMapper, load_map(). */
 void bindMaps(py::module_& module);
 
-/** \brief confusion_matrix(), scores(). */
+/** \brief Binds confusion_matrix(), scores(). */
 void bindEvaluation(py::module_& module);
 
-/** \brief read_cloud(), write_cloud(). */
+/** \brief Binds read_cloud(), write_cloud(). */
 void bindFiles(py::module_& module);
 
 } // namespace pcl_semantic::python

@@ -8,10 +8,10 @@
 
 namespace pcl_semantic::python {
 
-/** \brief Passes on what the library doubts, as warnings.warn() does. */
+/** \brief Reports the library's doubts by warnings.warn(). */
 void warnOf(const std::vector<std::string>& doubts);
 
-/** \brief read_camera(). */
+/** \brief Binds read_camera(). */
 void bindCameras(py::module_& module);
 
 } // namespace pcl_semantic::python

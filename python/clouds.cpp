@@ -15,7 +15,7 @@ namespace pcl_semantic::python {
 
 namespace {
 
-// By number; 0 = none.
+// Groups points by number; 0 = none.
 std::vector<pcl::PointIndices>
 cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
 {
@@ -50,7 +50,7 @@ generatorOf(const std::string& kind)
   return makeCliqueGenerator(kind);
 }
 
-// Puts them into the cloud. \return the largest, at least 1
+// Writes labels to the cloud. \return the largest, at least 1
 int
 setLabels(const Array<std::int64_t>& labels, int classes,
           pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
@@ -80,7 +80,7 @@ thinLabelsOf(const py::object& numbers)
   return thin;
 }
 
-// What is given and has no effect, or is lacking.
+// Refuses arguments without effect, and requires missing ones.
 void
 requireFitting(CRFConfig& config, const py::kwargs& given, bool has_probabilities,
                bool has_cliques, bool has_thin)
@@ -136,7 +136,7 @@ refine(const py::object& points, const py::object& probabilities,
   crf.setNumberOfThreads(config.threads);
   if (has_probabilities) {
     LabelDistributions distributions = distributionsOf(probabilities, count);
-    if (distributions.classes() == 0) // of no points
+    if (distributions.classes() == 0) // without points
       return py::make_tuple(labelsOf(*cloud), arrayOf(std::move(distributions)));
     crf.setLabelDistributions(distributions);
   }

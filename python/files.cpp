@@ -14,7 +14,7 @@ namespace pcl_semantic::python {
 
 namespace {
 
-// As numpy calls it: 'f4', 'u1'.
+// Type in numpy's notation: 'f4', 'u1'.
 std::string
 kindOf(const pcl::PCLPointField& field)
 {
@@ -23,7 +23,7 @@ kindOf(const pcl::PCLPointField& field)
   return kind + std::to_string(pcl::getFieldSize(field.datatype));
 }
 
-// Of a text, a number or a list of names; None = as the name of the file says.
+// Parses a text, a number or a list of names; None = from the file's name.
 ScanColumns
 columnsOf(const py::object& columns)
 {
@@ -38,8 +38,8 @@ columnsOf(const py::object& columns)
   return parseScanColumns(text);
 }
 
-// Positions of a map are relative to its origin, which a comment in the header says:
-// numpy has them in the world, in double precision.
+// Positions of a map are relative to an origin in the header's comment. Arrays contain
+// world positions in double precision.
 void
 addOriginOfMap(const PcdTable& table, py::dict& cloud)
 {
@@ -52,7 +52,7 @@ addOriginOfMap(const PcdTable& table, py::dict& cloud)
       cloud[name] = cloud[name].attr("astype")("f8") - py::float_(offset);
 }
 
-// What is not in the arrays, or no longer right in them.
+// Warns of data that is missing or inexact in the arrays.
 void
 warnOfPositions(const std::string& path, const PcdTable& table)
 {
@@ -143,7 +143,7 @@ writeCloud(const Path& path, const py::dict& cloud)
     auto column = py::array::ensure(numbersOf(value), py::array::c_style);
     if (!column)
       throw py::error_already_set();
-    if (column.dtype().byteorder() == '>') // as plyfile has them of a big-endian .ply
+    if (column.dtype().byteorder() == '>') // from plyfile, for a big-endian .ply
       column = column.attr("astype")(column.dtype().attr("newbyteorder")("<"));
     const pcl::PCLPointField field = fieldOf(name, column);
     if (is_first)

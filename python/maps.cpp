@@ -36,7 +36,7 @@ dictOf(const ScanCounts& counts)
   return result;
 }
 
-// What both kinds of maps have: functions that read one.
+// Functions that read a map, for both kinds of maps.
 
 template <typename Bound>
 py::dict
@@ -98,7 +98,7 @@ bindReading(py::class_<Bound>& bound)
            "Writes the whole map into a new archive.");
 }
 
-// Parameters of the pipeline that a map alone has no use for.
+// Parameters of the pipeline that a plain map does not use.
 std::vector<std::string>
 unreadByMap(MapperConfig& config)
 {
@@ -122,8 +122,8 @@ unreadByMap(MapperConfig& config)
   return unread;
 }
 
-// One thread may write a map; Python's, that run while the lock of the interpreter is
-// released, wait here.
+// Only one thread may write a map. Python's threads, which run while the interpreter
+// lock is released, wait here.
 class Map {
 public:
   explicit Map(std::unique_ptr<SemanticVoxelMap> map) : map_(std::move(map)) {}
@@ -297,7 +297,7 @@ public:
   {
     if (!camera_)
       badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
-    if (isForked()) // would wait for threads of OpenCV
+    if (isForked()) // it would wait for threads of OpenCV
       badParameter("stereo pairs cannot be computed in a process that fork() has made "
                    "since the module was loaded: have multiprocessing spawn it");
     StereoFrame frame;
@@ -323,7 +323,7 @@ public:
   }
 
 private:
-  // Of each fault once, as programs do.
+  // Warns once of each kind of fault, as the programs do.
   void
   warnOfFault(const PairReport& report)
   {
@@ -331,8 +331,8 @@ private:
       warn("frame " + std::to_string(frames_.load()) + ": " + report.reason);
   }
 
-  // A thread that waits for another one holds no lock of the interpreter, which that
-  // one needs to end. \param[in] prepare is called when the map is this frame's
+  // Waits without the interpreter lock, because the thread it waits for needs it to
+  // end. \param[in] prepare is called when this frame may write the map
   template <typename Frame, typename Prepare>
   py::dict
   processFrame(Frame frame, const py::object& pose, Prepare&& prepare)
@@ -358,7 +358,7 @@ private:
   GivenLabels* labels_ = nullptr; // null = no camera
   std::unique_ptr<SemanticMapper> mapper_;
   std::atomic<int> frames_ = 0;
-  std::set<PairFault> faults_; // that were told
+  std::set<PairFault> faults_; // already reported ones
   std::mutex writing_;
 };
 
@@ -368,7 +368,7 @@ private:
 
 namespace pybind11::detail {
 
-// An object whose __init__() has not run has memory that nothing was made in.
+// Refuses objects whose __init__() was not called: their memory is uninitialised.
 template <typename Bound> struct made_caster : type_caster_base<Bound> {
   bool
   load(handle source, bool convert)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// import pcl_semantic: arrays of numpy in and out (doc/python.md).
+// import pcl_semantic: numpy arrays as input and output (doc/python.md).
 
 #include "arrays.h"
 #include "cameras.h"

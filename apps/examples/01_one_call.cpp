@@ -3,8 +3,7 @@
 // 01: a folder of stereo images becomes a labelled voxel map, in one call.
 //
 //   01_one_call                        maps four frames of a synthetic street
-//   01_one_call SEQUENCE [MAP.pcd]     maps a folder in KITTI's layout with labels/ in
-//   it
+//   01_one_call SEQUENCE [MAP.pcd]     maps a folder in KITTI's layout with labels/
 
 #include "synthesize/sequence.h"
 
@@ -21,8 +20,8 @@ using namespace pcl_semantic;
 
 namespace {
 
-// Labels come from a folder (here), a network (NetworkPredictor), or any class of your
-// own like the next one.
+// Labels come from a folder (here), a network (NetworkPredictor), or a class of your
+// own like StreetLabels below.
 VoxelCloud
 mapFolder(const std::string& folder, const LabelSet& classes)
 {
@@ -32,7 +31,7 @@ mapFolder(const std::string& folder, const LabelSet& classes)
       std::make_unique<StoredPredictor>(folder + "/labels", classes.size(), 0.8f));
 }
 
-// The street's labels with the mistakes that networks make.
+// The street's labels with typical mistakes of networks.
 class StreetLabels : public LabelPredictor {
 public:
   explicit StreetLabels(const SyntheticSequence& street) : street_(street) {}

@@ -21,7 +21,7 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 
-// The filter: what the labels are worth, the input, filter.
+// Sets the confidence of the labels and the input, and filters.
 void
 refine(LabelledCloud& labelled)
 {
@@ -30,17 +30,17 @@ refine(LabelledCloud& labelled)
     int classes = 1;
     for (const pcl::PointXYZRGBL& point : *labelled.cloud)
       classes = std::max(classes, int(point.label));
-    crf.setLabelConfidence(0.8, classes); // each label is right with 80 %
+    crf.setLabelConfidence(0.8, classes); // each label is correct with 80 %
   }
   else
     crf.setLabelDistributions(labelled.distributions);
-  crf.setUseColour(labelled.has_colour); // else positions alone
+  crf.setUseColour(labelled.has_colour); // otherwise positions only
   crf.setInputCloud(labelled.cloud);
-  crf.filter(*labelled.cloud); // in place, or into another cloud
+  crf.filter(*labelled.cloud); // in place, or to another cloud
   labelled.distributions = crf.getLabelDistributions();
 }
 
-// What a stereo camera sees, each pixel with what a network says of it.
+// The points of a stereo camera, with a network's class probabilities per pixel.
 LabelledCloud
 cloudOfTheStreet(const SyntheticSequence& street, const SyntheticView& view)
 {
@@ -73,7 +73,7 @@ try {
   const SyntheticView view = street.view(0);
   LabelledCloud labelled =
       argc > 1 ? readLabelledCloud(argv[1]) : cloudOfTheStreet(street, view);
-  moveToVoxelCentres(labelled); // a map's, as its own CRF sees it
+  moveToVoxelCentres(labelled); // as in a map, for setVoxels()
   const Cloud before = *labelled.cloud;
   refine(labelled);
   std::cout << count(*labelled.cloud,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// 03: the steps of 01 by hand, each of which can be left out, looked into or replaced.
+// 03: the steps of 01 by hand. Each can be omitted, inspected or replaced.
 //
 //   03_map_and_crf_by_hand               maps four frames of a synthetic street
-//   03_map_and_crf_by_hand SEQUENCE      a folder in KITTI's layout with labels/ and
-//   poses
+//   03_map_and_crf_by_hand SEQUENCE      a folder in KITTI's layout with poses
+//                                        and labels/
 
 #include "synthesize/sequence.h"
 
@@ -25,7 +25,7 @@ using namespace pcl_semantic;
 
 namespace {
 
-// A frame goes into the map: images -> disparities -> points -> voxels.
+// Adds a frame to the map: images -> disparities -> points -> voxels.
 void
 addFrame(const StereoFrame& frame, const StereoCamera& camera,
          const LabelDistributions& labels, const Eigen::Isometry3d& T_world_camera,
@@ -40,8 +40,8 @@ addFrame(const StereoFrame& frame, const StereoCamera& camera,
             << counts.hit_voxels << " voxels\n";
 }
 
-// The voxels as a cloud -> CRF -> back into the map. Returns how many labels it
-// changed.
+// Refines the map: voxels as a cloud -> CRF -> map. Returns the number of changed
+// labels.
 std::size_t
 refine(SemanticVoxelMap& map)
 {
@@ -49,7 +49,7 @@ refine(SemanticVoxelMap& map)
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setInputCloud(voxels.cloud);
   crf.setVoxels(voxels.indices, voxels.voxel_size); // exact positions
-  crf.setLabelDistributions(voxels.measured);       // never what a CRF said before
+  crf.setLabelDistributions(voxels.measured);       // not an earlier result
   pcl::PointCloud<pcl::PointXYZRGBL> refined;
   crf.filter(refined);
   map.setRefined(voxels, crf.getLabelDistributions());

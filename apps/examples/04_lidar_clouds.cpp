@@ -23,8 +23,8 @@ using namespace pcl_semantic;
 
 namespace {
 
-// Any point type with x y z will do, and any distributions; without them a cloud
-// updates occupancy and colour alone.
+// Works for any point type with x y z and any distributions. Without distributions a
+// cloud updates only occupancy and colour.
 template <typename PointT>
 void
 addCloud(const pcl::PointCloud<PointT>& cloud, const Eigen::Isometry3d& T_world_sensor,
@@ -32,7 +32,7 @@ addCloud(const pcl::PointCloud<PointT>& cloud, const Eigen::Isometry3d& T_world_
 {
   LabelDistributions labels(map.labelSet().size(), Eigen::Index(cloud.size()));
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    labels.setLabel(Eigen::Index(i), Label(cloud[i].label), 0.8f); // right with 80 %
+    labels.setLabel(Eigen::Index(i), Label(cloud[i].label), 0.8f); // correct with 80 %
   map.integrate(cloud, T_world_sensor, labels);
 }
 
@@ -43,12 +43,12 @@ addFolder(const std::string& folder, SemanticVoxelMap& map)
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const std::string path = folder + "/" + std::to_string(i) + ".pcd";
     LabelledCloud read = readLabelledCloud(path);
-    addOrigin(read); // a scan is relative to its sensor
+    addOrigin(read); // scans are relative to their sensor
     addCloud(*read.cloud, poses[i], map);
   }
 }
 
-// 32 rings of 720 rays, x forward, y left, z up, that know what they hit.
+// Simulates 32 rings of 720 rays, x forward, y left, z up, with the label of each hit.
 pcl::PointCloud<pcl::PointXYZL>
 scan(const SyntheticScene& street, const Eigen::Isometry3d& T_world_sensor)
 {
@@ -61,7 +61,7 @@ scan(const SyntheticScene& street, const Eigen::Isometry3d& T_world_sensor)
       const SyntheticHit hit =
           street.intersect(T_world_sensor.translation(), T_world_sensor.linear() * ray);
       const Eigen::Vector3f point = (ray * hit.distance).cast<float>();
-      if (hit.label != synthetic_sky) // nothing comes back
+      if (hit.label != synthetic_sky) // no return
         cloud.emplace_back(point.x(), point.y(), point.z(), hit.label);
     }
   return cloud;

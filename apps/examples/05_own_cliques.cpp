@@ -2,8 +2,8 @@
 
 // 05: a clique generator of your own, for the hierarchical model.
 //
-// What stands in one column over the ground is likely one thing. The cloud is a square
-// of ground with thin poles on it, a third of the labels on the poles is wrong.
+// Points in one column above the ground probably belong to one object. The cloud is a
+// square of ground with thin poles; a third of the labels on the poles is wrong.
 
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -81,8 +81,8 @@ try {
   print("dense", refined);
 
   SemanticCRFParameters parameters = crf.getParameters();
-  parameters.iterations = 5;          // cliques and points hear each other
-  parameters.clique_truncation = 0.5; // cliques bear so many that disagree
+  parameters.iterations = 5;          // several messages between cliques and points
+  parameters.clique_truncation = 0.5; // tolerated fraction of other labels
   crf.setParameters(parameters);
   crf.setModel(CRFModelType::hierarchical);
   crf.setCliqueGenerator(std::make_shared<ColumnCliques>());

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// 06: two stereo cameras, each with its own place on the car, in one map.
+// 06: one map from two stereo cameras at different positions on a car.
 //
-// One looks forward, one to the left. Images, labels and poses are those of the
-// synthetic street; of cameras of your own each has a FrameSequence and a
-// LabelPredictor.
+// One looks forward, one to the left. Images, labels and poses are from the synthetic
+// street. For cameras of your own, use one FrameSequence and LabelPredictor each.
 
 #include "synthesize/sequence.h"
 
@@ -20,8 +19,8 @@ using namespace pcl_semantic;
 
 namespace {
 
-// Each camera casts its rays from where it is: two clouds are two scans. Never join
-// them into one, whose rays would all begin at one camera.
+// Each camera casts its rays from its own position, so two clouds are two scans. Never
+// join them into one: all of its rays would start at one camera.
 void
 addFrame(const SyntheticSequence& camera, std::size_t i, SemanticVoxelMap& map)
 {
@@ -32,8 +31,8 @@ addFrame(const SyntheticSequence& camera, std::size_t i, SemanticVoxelMap& map)
   map.integrate(*cloud, camera.pose(i), camera.labels(i)); // T_world_camera
 }
 
-// The pose of a camera is that of the car times its own place: T_world_rig *
-// T_rig_camera.
+// The pose of a camera is the car's pose times the camera's pose on the car:
+// T_world_rig * T_rig_camera.
 Eigen::Isometry3d
 leftward()
 {
@@ -43,7 +42,7 @@ leftward()
   return T_rig_camera; // camera axes: x right, y down, z forward
 }
 
-// How many occupied voxels lie where a camera that looks forward sees nothing.
+// Counts occupied voxels outside the view of a forward camera.
 std::size_t
 countBeside(const VoxelCloud& voxels)
 {
@@ -75,7 +74,7 @@ try {
     addFrame(front, i, map);
     if (i == 0)
       print("one frame of the front camera", map);
-    addFrame(left, i, map); // one thread writes: one camera after the other
+    addFrame(left, i, map); // only one thread may write
   }
   print("all of both", map);
 }

@@ -2,11 +2,10 @@
 
 // 07: frames are pushed into a SemanticMapper while another thread reads the map.
 //
-// What may run at once: one thread writes (process, finish), any number of others call
-// const functions of map(). Each call sees the map between two changes, and a frame
-// makes two: its scan, and what the CRF says. Two calls may be answered of different
-// frames. Who wants a whole frame takes what the callback hands out: nobody changes it
-// any more.
+// One thread may write (process, finish) while any number of others call const
+// functions of map(). Each call sees the map between two changes. A frame makes two
+// changes: its scan, and the result of the CRF. Two calls may see different frames. For
+// a consistent frame, use the callback's arguments, which stay constant.
 
 #include "synthesize/sequence.h"
 
@@ -23,7 +22,7 @@ using namespace pcl_semantic;
 
 namespace {
 
-class StreetLabels : public LabelPredictor { // in the place of a network
+class StreetLabels : public LabelPredictor { // instead of a network
 public:
   explicit StreetLabels(const SyntheticSequence& street) : street_(street) {}
 
@@ -37,12 +36,12 @@ private:
   const SyntheticSequence& street_;
 };
 
-// The newest snapshot; a slow reader misses some and holds nobody up.
+// The newest snapshot. A slow reader misses snapshots and blocks no other thread.
 struct Exchange {
   std::mutex mutex;
   std::condition_variable changed;
   std::shared_ptr<const VoxelCloud> newest; // null = taken
-  bool is_over = false;                     // there will be no more
+  bool is_over = false;                     // no more will follow
 
   void
   put(std::shared_ptr<const VoxelCloud> voxels)
@@ -89,7 +88,7 @@ try {
       std::async(std::launch::async, [&] { watch(exchange, mapper.map()); });
   const std::shared_ptr<void> end(nullptr, [&](void*) { exchange.put(nullptr); });
   for (std::size_t i = 0; i < street.size(); ++i)
-    mapper.process(street.frame(i)); // as they come from a camera
+    mapper.process(street.frame(i)); // in the order of a camera
   mapper.finish();
 }
 catch (const std::exception& error) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// 08: SemanticCRF between PCL's own filters, on clouds whose fields are known by name.
+// 08: SemanticCRF between PCL's own filters, on clouds with fields found by name.
 //
 //   08_pcl_pipeline IN.pcd OUT.pcd CLASS    any .pcd with x y z label
 //   08_pcl_pipeline                         two walls, every seventh label wrong
 //
-// Keep one point a voxel, drop outliers, make labels consistent, extract a class. All
+// Keep one point per voxel, drop outliers, make labels consistent, extract a class. All
 // fields of IN.pcd are in OUT.pcd.
 
 #include <pcl_semantic/filters/label_voxel_grid.h>
@@ -42,7 +42,7 @@ drawWalls(Blob& cloud)
   pcl::toPCLPointCloud2(walls, cloud);
 }
 
-// Gives the cloud through a filter that is set.
+// Replaces the cloud by the output of a filter.
 template <typename Filter>
 void
 apply(Filter& filter, Blob::Ptr& cloud)
@@ -65,7 +65,7 @@ try {
     throw std::runtime_error(std::string(argv[1]) + ": cannot be read");
   const auto wanted = argc < 4 ? 1u : unsigned(std::atoi(argv[3]));
 
-  // One point a voxel; pcl::VoxelGrid would average labels.
+  // One point per voxel; pcl::VoxelGrid would average labels.
   pcl_semantic::LabelVoxelGrid grid;
   grid.setLeafSize(0.1);
   apply(grid, cloud);

@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 using synthetic::fractalNoise;
 using synthetic::valueNoise;
 
-/** \brief A mistake networks make. */
+/** \brief A typical mistake of networks. */
 struct Confusion {
   Label truth;
   Label taken_for;
-  double weight; ///< how readily: moves the threshold of its noise
+  double weight; ///< probability: shifts the threshold of its noise
 };
 
 constexpr std::array<Confusion, 16> kConfusions{{
@@ -44,12 +44,12 @@ constexpr std::array<Confusion, 16> kConfusions{{
     {synthetic_sky, synthetic_building, -0.12},
 }};
 
-/** \brief Surroundings of a pixel, which its mistakes depend on. */
+/** \brief Properties of a pixel that affect its mistakes. */
 struct Position {
-  Vector3d image;    ///< column, row [units of image width / 100], the frame in between
-  Vector3d world;    ///< [m]
-  double dark = 0.0; ///< 0 lit, 1 dark
-  double border = 0.0; ///< 1 where another class is near
+  Vector3d image;      ///< column, row [units of image width / 100], 0
+  Vector3d world;      ///< [m]
+  double dark = 0.0;   ///< 0 lit, 1 dark
+  double border = 0.0; ///< 1 near another class
   double far = 0.0;    ///< 0 near, 1 beyond 40 m
 };
 
@@ -61,7 +61,7 @@ public:
         unit_(view.labels.cols / 100.0)
   {}
 
-  /** \brief Most probable label of every pixel, mistakes included. */
+  /** \brief Most probable label of every pixel, including mistakes. */
   cv::Mat
   draw() const
   {
@@ -90,8 +90,8 @@ private:
     return {u / unit_, v / unit_, 0.0};
   }
 
-  /** \brief The true label a little to the side: borders wander by up to a hundredth of
-   * the image width, more than the width of most poles. */
+  /** \brief The true label of a nearby pixel: borders shift by up to a hundredth of the
+   * image width, more than the width of most poles. */
   Label
   wander(int u, int v) const
   {
@@ -126,7 +126,7 @@ private:
     return position;
   }
 
-  /** \brief Takes the label for another one where the noise of a mistake is high. */
+  /** \brief Replaces the label if the noise of a mistake is high. */
   Label
   mistake(Label label, int u, int v) const
   {
@@ -158,9 +158,9 @@ private:
   double unit_; ///< hundredth of the image width [px]
 };
 
-/** \brief Blurs a plane by the binomial 1 4 6 4 1 along a direction: networks answer at
- * a lower resolution than the image's. Written out so that it rounds alike on every
- * machine. */
+/** \brief Blurs a plane by the binomial 1 4 6 4 1 along a direction: the output of
+ * networks has a lower resolution than the image. Written explicitly for equal rounding
+ * on every machine. */
 void
 blurAlong(int du, int dv, const cv::Mat& plane, cv::Mat& blurred)
 {
@@ -178,7 +178,7 @@ blurAlong(int du, int dv, const cv::Mat& plane, cv::Mat& blurred)
     }
 }
 
-/** \brief All probability on the labels, softened where they change. */
+/** \brief Distributions of certain labels, softened at borders. */
 LabelDistributions
 softened(const cv::Mat& labels, bool soft)
 {
@@ -199,8 +199,9 @@ softened(const cv::Mat& labels, bool soft)
   return result;
 }
 
-/** \brief Adds doubt to a column: mostly towards what the class is often confused with.
- * \param[in] doubt fraction of the probability that moves away */
+/** \brief Adds doubt to a column, mostly towards classes that are often confused with
+ * the label.
+ * \param[in] doubt fraction of the probability to move */
 void
 spread(float* column, Label label, float doubt)
 {

@@ -7,19 +7,20 @@
 
 namespace pcl_semantic {
 
-/** \brief Fraction of the full label noise at which the default sequence is as hard as
- * a good network makes real streets. */
+/** \brief Fraction of the full label noise at which the default sequence is as
+ * difficult as real streets for a good network. */
 constexpr double kSyntheticLabelNoise = 0.5;
 
-/** \brief Label distributions of a view as a network would give them.
+/** \brief Simulates a network's label distributions of a view.
  *
- * Made from the true labels, with the mistakes networks make: borders that wander,
- * thin things swallowed by what is behind them, blobs of a class taken for a similar
- * one (mostly at borders, far away and in the dark), many of them with confidence. A
- * part of a mistake sticks to its place in the world, most of it changes from frame to
- * frame. \param[in] seed of the mistakes \param[in] label_noise 0 (nearly perfect) to
- * 1: scales the fraction of wrong pixels \return 11 x (width * height), pixels row by
- * row \throws InvalidParameterException unless 0 <= label_noise <= 1 */
+ * Made from the ground truth, with typical mistakes of networks: shifted borders, thin
+ * objects replaced by their background, blobs of a class replaced by a similar one
+ * (mostly at borders, far away and in the dark), many of them with high confidence. A
+ * part of a mistake is fixed in the world; most of it changes from frame to frame.
+ * \param[in] seed of the mistakes
+ * \param[in] label_noise 0 (nearly perfect) to 1: scales the fraction of wrong pixels
+ * \return 11 x (width * height), pixels row by row
+ * \throws InvalidParameterException unless 0 <= label_noise <= 1 */
 LabelDistributions syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                                           double label_noise = kSyntheticLabelNoise);
 

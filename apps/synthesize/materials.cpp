@@ -114,10 +114,10 @@ windowColour(const Cell& cell, double width, double height)
                  : Vector3f(0.8f * glass, 0.95f * glass, 1.1f * glass);
 }
 
-/** \brief Windows in rows with their sills, a door in the middle of the front.
+/** \brief Windows in rows with their sills, and a door in the middle of the front.
  * \param[in] u along the wall, 0 to \a length [m]
- * \param[in] v height over the ground [m]
- * \return whether there is any of them here */
+ * \param[in] v height above the ground [m]
+ * \return whether this point is part of one */
 bool
 opening(const Primitive& house, bool front, double u, double v, double length,
         Vector3f& c)

@@ -9,12 +9,12 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief Light of the sky in a direction of length 1, world axes; linear, 0..1. */
+/** \brief Light of the sky in a unit direction, world axes; linear, 0..1. */
 Eigen::Vector3f skyColour(const Eigen::Vector3d& direction, std::uint32_t seed);
 
 /** \brief Reflectance of a surface: red, green, blue, linear, 0..1.
- * \param[in] footprint width of a pixel on the surface [m]; finer structure is left out
- */
+ * \param[in] footprint width of a pixel on the surface [m]; finer structure is
+ * omitted */
 Eigen::Vector3f surfaceColour(const Surface& surface, double footprint,
                               std::uint32_t seed);
 

@@ -26,7 +26,7 @@ smoothStep(double x)
   return x * x * (3.0 - 2.0 * x);
 }
 
-/** \brief floor(), which the baseline instruction set has only as a call. */
+/** \brief floor(), which needs a function call in the baseline instruction set. */
 int
 integerPart(double x)
 {
@@ -34,7 +34,7 @@ integerPart(double x)
   return i - (x < i ? 1 : 0);
 }
 
-/** \brief Number in [-1, 1] of a lattice point, its coordinates already scattered. */
+/** \brief Number in [-1, 1] of a lattice point with scattered coordinates. */
 double
 lattice(std::uint32_t h)
 {
@@ -50,7 +50,7 @@ lattice(std::uint32_t h)
 double
 valueNoise(const Eigen::Vector3d& p, std::uint32_t seed)
 {
-  // Called some thousand million times a sequence: scatter each coordinate only once.
+  // Called about 10^9 times per sequence, so each coordinate is scattered only once.
   constexpr std::uint32_t kX = 0x9E3779B1u, kY = 0x85EBCA77u, kZ = 0xC2B2AE3Du;
   const int x = integerPart(p.x()), y = integerPart(p.y()), z = integerPart(p.z());
   const double fx = smoothStep(p.x() - x);
@@ -80,8 +80,8 @@ detailNoise(const Eigen::Vector3d& p, double footprint, std::uint32_t seed)
   const double wanted = std::max(3.0 * footprint, 0.01);
   int octave = 0;
   std::frexp(wanted, &octave);
-  const double wavelength = std::ldexp(1.0, octave);   // the power of two above wanted
-  const double fade = 2.0 * wanted / wavelength - 1.0; // 0: fine is resolved, 1: gone
+  const double wavelength = std::ldexp(1.0, octave);   // next power of two
+  const double fade = 2.0 * wanted / wavelength - 1.0; // 0: keep finest, 1: drop it
   return 0.45 * (1.0 - fade) * valueNoise(p * (2.0 / wavelength), seed + octave - 1) +
          0.5 * valueNoise(p / wavelength, seed + octave) +
          0.3 * valueNoise(p * (0.5 / wavelength), seed + octave + 1);

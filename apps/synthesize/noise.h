@@ -8,7 +8,8 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief Mixes four numbers to 32 well distributed bits; the same on every machine. */
+/** \brief Hashes four numbers to 32 well distributed bits; the same on every
+ * machine. */
 std::uint32_t hash(std::uint32_t a, std::uint32_t b = 0, std::uint32_t c = 0,
                    std::uint32_t d = 0);
 
@@ -23,22 +24,22 @@ uniform(std::uint32_t a, std::uint32_t b = 0, std::uint32_t c = 0, std::uint32_t
  * the integer lattice. */
 double valueNoise(const Eigen::Vector3d& p, std::uint32_t seed);
 
-/** \brief Sum of two octaves of valueNoise; \a wavelength of the coarser one [m]. */
+/** \brief Sum of two octaves of valueNoise(); \a wavelength of the coarser one [m]. */
 double fractalNoise(const Eigen::Vector3d& p, double wavelength, std::uint32_t seed);
 
-/** \brief Noise whose finest wavelength is about three pixels wherever one looks.
+/** \brief Noise with a finest wavelength of about three pixels at any distance.
  *
- * Real surfaces have structure at every scale, which is what stereo lives on; a fixed
- * wavelength is flat up close and aliases far away.
+ * Real surfaces have structure at every scale, which stereo matching needs. A fixed
+ * wavelength would be flat nearby and alias far away.
  * \param[in] footprint width of a pixel on the surface [m] */
 double detailNoise(const Eigen::Vector3d& p, double footprint, std::uint32_t seed);
 
-/** \brief Sine and cosine of an angle in [-4, 4] by power series: the C library's
- * differ in the last bit between machines. */
+/** \brief Sine and cosine of an angle in [-4, 4] by power series, because results of
+ * the C library differ in the last bit between machines. */
 std::pair<double, double> sinCos(double angle);
 
-/** \brief A sequence of random numbers with its own name, so that adding an object of
- * one kind leaves all others where they are. */
+/** \brief A named sequence of random numbers, so that a new object of one kind does not
+ * move the others. */
 class Random {
 public:
   Random(std::uint32_t seed, std::uint32_t name) : key_(hash(seed, name, 0x5eed)) {}

@@ -41,7 +41,7 @@ const std::array<Vector3f, 4> kCloth{
     Vector3f(0.30f, 0.08f, 0.07f), Vector3f(0.08f, 0.12f, 0.28f),
     Vector3f(0.35f, 0.32f, 0.20f), Vector3f(0.12f, 0.25f, 0.15f)};
 
-// What a solid is, but for its size and colour.
+// Properties of a solid except its size and colour.
 struct Solid {
   Shape shape;
   Material material;
@@ -62,8 +62,8 @@ constexpr Solid kRoundSign{Shape::ellipsoid, Material::sign, synthetic_sign};
 constexpr Solid kSquareSign{Shape::box, Material::sign, synthetic_sign};
 constexpr Solid kLimb{Shape::ellipsoid, Material::cloth, synthetic_pedestrian};
 
-// Adds the solids of one object after the other; an object has a position along the
-// road, a height of the ground under it and a heading.
+// Adds the solids of one object after the other. An object has a position along the
+// road, a ground height and a heading.
 class ObjectBuilder {
 public:
   ObjectBuilder(const RoadLine& line, std::uint32_t number) : road(line), seed(number)
@@ -72,7 +72,7 @@ public:
   const RoadLine& road;
   const std::uint32_t seed;
 
-  // The next object stands here, its heading \a turned relative to the road's [rad].
+  // Starts the next object, with a heading relative to the road's [rad].
   void
   place(const RoadPoint& point, double turned = 0.0)
   {
@@ -119,7 +119,7 @@ public:
         Vector3f(0.20f, 0.15f, 0.10f));
     for (int k = 0; k < 3; ++k) {
       const double size = reach * random.uniform(0.75, 1.15);
-      // One after the other: compilers evaluate arguments in orders of their own.
+      // In sequence, because the evaluation order of arguments depends on the compiler.
       const double up = trunk * random.uniform(0.75, 1.0) + 0.2 * height * k;
       const double left = 0.35 * reach * random.uniform(-1.0, 1.0);
       const double along = 0.35 * reach * random.uniform(-1.0, 1.0);
@@ -128,7 +128,6 @@ public:
     }
   }
 
-  // A hedge along the street.
   void
   hedge(double length, double height)
   {
@@ -138,7 +137,6 @@ public:
     bush.square = true;
   }
 
-  // A fence of boards along the street.
   void
   fence(double length, double height, const Vector3f& colour)
   {
@@ -166,7 +164,7 @@ public:
             Vector3f(0.02f, 0.02f, 0.02f));
   }
 
-  // \a towards_road +1 if the road lies to the object's left, else -1.
+  // \param[in] towards_road +1 if the road is to the object's left, else -1
   void
   lampPost(double towards_road)
   {
@@ -208,8 +206,8 @@ public:
   }
 
 private:
-  // Adds a solid of the object. \a bottom is the middle of its lower side, the object's
-  // axes (x along, y left, z up from the ground) [m].
+  // Adds a solid of the object. \a bottom is the centre of its lower side, in the
+  // object's axes (x along, y left, z up from the ground) [m].
   Primitive&
   add(const Solid& kind, const Vector3d& bottom, const Vector3d& size,
       const Vector3f& colour)
@@ -232,11 +230,11 @@ private:
   Vector3d ground_ = Vector3d::Zero();
   double cosine_ = 1.0;
   double sine_ = 0.0;
-  std::uint32_t object_ = 0; // names the object, wherever it stands in the list
+  std::uint32_t object_ = 0; // identifies the object
   std::uint32_t parts_ = 0;
 };
 
-// Names of the random sequences: one for each kind of object and side of the street.
+// Names of the random sequences, one per kind of object and side of the street.
 enum Kind : std::uint32_t {
   plots = 10,
   parking = 20,
@@ -248,14 +246,14 @@ enum Kind : std::uint32_t {
 
 constexpr double kBegin = -24.0; // behind the first camera [m]
 
-// Length at distance t of what is \a length long on the centre line.
+// Length at distance t of \a length on the centre line.
 double
 lengthAt(const RoadLine& road, const RoadPoint& point, double length)
 {
   return length * (1.0 - point.t * road.curvature(point.s));
 }
 
-// Hedge or fence in pieces short enough to follow the road.
+// Hedge or fence in sections short enough to follow the road.
 void
 buildBoundary(ObjectBuilder& builder, RoadPoint from, double to, Random& random)
 {
@@ -277,7 +275,7 @@ buildBoundary(ObjectBuilder& builder, RoadPoint from, double to, Random& random)
   }
 }
 
-// One plot: a house or a garden behind its fence.
+// One plot: a building or a garden behind its fence.
 void
 buildPlot(ObjectBuilder& builder, double begin, double length, double side,
           Random& random)
@@ -285,7 +283,7 @@ buildPlot(ObjectBuilder& builder, double begin, double length, double side,
   const double front = random.uniform(10.5, 12.5);
   const double depth = 8.5;
   const double middle = begin + 0.5 * length;
-  // The narrow side of the plot, in the inside of a turn, limits the house.
+  // The narrow side of the plot, on the inside of a turn, limits the building.
   const RoadPoint back{middle, side * (front + depth)};
   const RoadPoint face{middle, side * front};
   const double room = std::min(lengthAt(builder.road, back, length),
@@ -359,8 +357,8 @@ buildFurniture(ObjectBuilder& builder, double end)
   }
 }
 
-// Tall trees behind the houses and at the end of the street, so that one never
-// looks into an empty plain.
+// Tall trees behind the buildings and at the end of the street, which hide the empty
+// plain.
 void
 buildWoods(ObjectBuilder& builder, double end)
 {
@@ -369,7 +367,7 @@ buildWoods(ObjectBuilder& builder, double end)
     for (const double side : {1.0, -1.0}) {
       const double t = side * random.uniform(26.0, 31.0);
       if (t * builder.road.curvature(s) > 0.6)
-        continue; // they would crowd in the inside of the turn
+        continue; // they would crowd on the inside of the turn
       builder.place({s, t});
       builder.tree(random.uniform(8.0, 11.0), random);
     }

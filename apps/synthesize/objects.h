@@ -7,9 +7,9 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief Puts everything that stands along a road: houses and their fences, hedges and
- * trees, parked cars, lamp posts, signs, people.
- * \param[in] length how far along the road [m] */
+/** \brief Makes all objects along a road: buildings and their fences, hedges and trees,
+ * parked cars, lamp posts, signs, people.
+ * \param[in] length of the built part of the road [m] */
 std::vector<Primitive> buildStreet(const RoadLine& road, double length,
                                    std::uint32_t seed);
 

@@ -86,15 +86,15 @@ private:
   Vector3d to_sun_;
 };
 
-/** \brief Whether one ray is not enough for a pixel that looks so unlike another. */
+/** \brief Whether two samples differ so much that a pixel needs more rays. */
 bool
 differ(const Sample& a, const Sample& b)
 {
   return a.id != b.id || (a.light - b.light).cwiseAbs().maxCoeff() > 0.15f;
 }
 
-/** \brief Mean of four more rays where a pixel lies on an edge, so that poles and
- * window frames are not jagged. */
+/** \brief Mean of four more rays for a pixel on an edge, so that poles and window
+ * frames are not jagged. */
 Vector3f
 smoothed(const Eye& eye, const std::vector<Sample>& samples, int width, int u, int v)
 {
@@ -114,7 +114,7 @@ smoothed(const Eye& eye, const std::vector<Sample>& samples, int width, int u, i
   return 0.25f * sum;
 }
 
-/** \brief Exposure, display curve and the noise of a sensor. */
+/** \brief Exposure, display curve and sensor noise. */
 cv::Vec3b
 toPixel(const Vector3f& light, std::uint32_t noise)
 {
@@ -128,7 +128,7 @@ toPixel(const Vector3f& light, std::uint32_t noise)
   return pixel;
 }
 
-/** \brief Renders one eye. \param[in] noise_seed of the sensor noise */
+/** \brief Renders the image of one camera. \param[in] noise_seed of the sensor noise */
 cv::Mat
 renderEye(const Eye& eye, int width, int height, std::uint32_t noise_seed,
           std::vector<Sample>& samples)

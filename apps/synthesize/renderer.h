@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Images that a stereo camera takes of the street, and their ground truth. */
+/** \brief Images of a stereo camera in the street, and their ground truth. */
 struct SyntheticView {
   int frame = 0;
   cv::Mat left;      ///< CV_8UC3 (BGR), camera 2
@@ -20,8 +20,8 @@ struct SyntheticView {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity(); ///< left camera
 };
 
-/** \brief Renders the synthetic street by casting rays; the same bytes for any number
- * of threads. */
+/** \brief Renders the synthetic street by casting rays, with the same bytes for any
+ * number of threads. */
 class SyntheticRenderer {
 public:
   static constexpr double camera_2_offset = -0.06; ///< x of camera 2 in camera 0 [m]
@@ -40,10 +40,10 @@ public:
   /** \brief T_world_camera of the left camera (camera 2). */
   Eigen::Isometry3d pose(int frame) const;
 
-  /** \throws InvalidParameterException if the scene has no such frame */
+  /** \throws InvalidParameterException if the frame does not exist */
   SyntheticView render(int frame) const;
 
-  /** \brief Renders the view from another place, as when the pair is mounted elsewhere.
+  /** \brief Renders the frame from another pose, for a pair mounted elsewhere.
    * \param[in] T_world_camera pose of its left camera */
   SyntheticView render(int frame, const Eigen::Isometry3d& T_world_camera) const;
 

@@ -8,15 +8,15 @@
 
 namespace pcl_semantic {
 
-/** \brief The synthetic street as a sequence in memory: frames are rendered when they
- * are asked for, and it knows the poses and labels of each. Its first frame is at the
- * world's origin. */
+/** \brief The synthetic street as a sequence in memory, with poses and labels. Frames
+ * are rendered on demand. The first frame is at the world's origin. */
 class SyntheticSequence : public FrameSequence {
 public:
-  /** \param[in] frames how many
+  /** \param[in] frames number of frames
    * \param[in] width of the images [px]
    * \param[in] height of the images [px]
-   * \param[in] T_rig_camera the left camera in that of a car that looks along the road
+   * \param[in] T_rig_camera left camera relative to that of a car looking along the
+   * road
    * \param[in] seed of the street and of the mistakes in its labels
    * \throws InvalidParameterException as SyntheticScene and SyntheticRenderer */
   SyntheticSequence(
@@ -53,11 +53,11 @@ public:
   /** \brief T_world_camera of the i-th frame: its left camera [m]. */
   Eigen::Isometry3d pose(std::size_t i) const;
 
-  /** \brief The i-th frame with the ground truth about it. */
+  /** \brief The i-th frame with its ground truth. */
   SyntheticView view(std::size_t i) const;
 
-  /** \brief Labels of the i-th left image as a network would give them: L x (width *
-   * height), see syntheticDistributions(). */
+  /** \brief Simulated network labels of the i-th left image: L x (width * height), see
+   * syntheticDistributions(). */
   LabelDistributions labels(std::size_t i) const;
 
 private:

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNear = 1e-4; // entries closer than this are the surface we came from
+constexpr double kNear = 1e-4; // nearer entries are the ray's own surface
 
 bool
 intersectBox(const Primitive& box, const Ray& ray, double& distance, Vector3d& normal)
@@ -122,8 +122,8 @@ bushNormal(const Primitive& bush, const Vector3d& p)
   return gradient.normalized();
 }
 
-/** \brief Part of the way from outside to inside a bush where its surface lies: both
- * eyes must see the same one. */
+/** \brief Fraction of the way from outside to inside a bush at which its surface lies:
+ * both cameras must see the same surface. */
 double
 bushSurface(const Primitive& bush, const Ray& ray, double outside, double inside)
 {
@@ -163,7 +163,7 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d*
       return true;
     }
     if (value > bush.reach() + 0.05 && t > begin + smallest)
-      return false; // left the hull
+      return false; // outside the hull
     before = t;
     t += smallest * std::max(0.7 * value, 0.08);
   }
@@ -261,7 +261,7 @@ template <typename Visit>
 void
 BoxTree::visit(const Ray& ray, double& distance, const Visit& leaf) const
 {
-  // No axis may be exactly zero: 0 * infinity is no number.
+  // No component may be exactly zero, because 0 * infinity is NaN.
   const Eigen::Vector3d inverse = ray.direction.unaryExpr(
       [](double d) { return std::abs(d) < 1e-12 ? 1e12 : 1.0 / d; });
   int stack[64];
@@ -276,7 +276,7 @@ BoxTree::visit(const Ray& ray, double& distance, const Visit& leaf) const
     for (int i = node.first; i < node.first + node.count; ++i)
       if (leaf(primitives_[i]))
         return;
-    if (node.count == 0) { // the nearer child is looked into first
+    if (node.count == 0) { // visit the nearer child first
       const bool forward = ray.direction[node.axis] > 0.0;
       stack[depth++] = forward ? node.first : index + 1;
       stack[depth++] = forward ? index + 1 : node.first;

@@ -31,14 +31,14 @@ enum class Material : std::uint8_t {
 
 /** \brief Form of a primitive. */
 enum class Shape : std::uint8_t {
-  box,      ///< six planes; the taper makes wedges, cabins and gable roofs of it
+  box,      ///< six planes; a taper makes wedges, cabins and gable roofs
   cylinder, ///< upright, round
   ellipsoid,
   bush ///< ellipsoid or rounded box with a surface displaced by noise
 };
 
-/** \brief A solid, turned about the vertical; objects of the street consist of a few.
- */
+/** \brief A solid, rotated about the vertical. Objects of the street consist of
+ * several. */
 struct Primitive {
   Shape shape = Shape::box;
   Material material = Material::wall;
@@ -53,21 +53,21 @@ struct Primitive {
   bool square = false;    ///< bush: rounded box instead of an ellipsoid
   Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.5f); ///< red, green, blue
 
-  /** \brief Turns a world vector into the primitive's axes. */
+  /** \brief Rotates a world vector to the primitive's axes. */
   Eigen::Vector3d
   toLocal(const Eigen::Vector3d& v) const
   {
     return {cosine * v.x() + sine * v.y(), cosine * v.y() - sine * v.x(), v.z()};
   }
 
-  /** \brief Turns a vector of the primitive's axes into the world. */
+  /** \brief Rotates a vector in the primitive's axes to the world's. */
   Eigen::Vector3d
   toWorld(const Eigen::Vector3d& v) const
   {
     return {cosine * v.x() - sine * v.y(), cosine * v.y() + sine * v.x(), v.z()};
   }
 
-  /** \brief Largest displacement of a bush: noise seldom comes near its limits, and a
+  /** \brief Largest displacement of a bush. Noise rarely reaches its limits, and a
    * tight hull saves most of the work. */
   double
   reach() const
@@ -79,8 +79,7 @@ struct Primitive {
   Eigen::AlignedBox3d bounds() const;
 };
 
-/** \brief A half line origin + distance * direction; direction need not have length 1.
- */
+/** \brief A half line origin + distance * direction, with a direction of any length. */
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
@@ -89,23 +88,24 @@ struct Ray {
 /** \brief Finds the point where a ray enters a primitive.
  * \param[in,out] distance in multiples of the ray's direction; only entries in front of
  * the origin and before its old value count
- * \param[out] normal outward, the primitive's axes, length 1; null: not wanted, and
- * then \a distance need not be exact either \return whether there is one */
+ * \param[out] normal outward, in the primitive's axes, length 1; null = not needed, and
+ * then \a distance may be approximate
+ * \return whether such a point exists */
 bool intersect(const Primitive& primitive, const Ray& ray, double& distance,
                Eigen::Vector3d* normal);
 
-/** \brief Primitives in a binary tree of bounding boxes, for finding what a ray meets.
- */
+/** \brief Primitives in a binary tree of bounding boxes, to intersect them with
+ * rays. */
 class BoxTree {
 public:
   explicit BoxTree(std::vector<Primitive> primitives);
 
-  /** \brief The first primitive that a ray enters before \a distance.
-   * \return null if there is none; \a distance and \a normal as intersect() */
+  /** \brief Finds the first primitive that a ray enters before \a distance.
+   * \return null if none exists; \a distance and \a normal as for intersect() */
   const Primitive* nearest(const Ray& ray, double& distance,
                            Eigen::Vector3d& normal) const;
 
-  /** \brief Whether anything lies within \a distance along a ray. */
+  /** \brief Whether a primitive is within \a distance along a ray. */
   bool blocked(const Ray& ray, double distance) const;
 
 private:
@@ -113,7 +113,7 @@ private:
     Eigen::AlignedBox3d box;
     int first = 0; ///< first primitive of a leaf, right child otherwise
     int count = 0; ///< primitives of a leaf, 0 otherwise; the left child is next
-    int axis = 0;  ///< along which the children lie
+    int axis = 0;  ///< axis that separates the children
   };
 
   void build(int first, int last);

@@ -107,7 +107,7 @@ RoadLine::locateOn(const Piece& piece, const Eigen::Vector2d& position) const
   const Eigen::Vector2d offset = position - piece.start;
   if (piece.curvature == 0.0)
     return {piece.s + offset.dot(piece.along), offset.dot(leftOf(piece.along))};
-  // Seen from the centre of the arc: across points away from it for a right turn.
+  // Seen from the centre of the arc; for a right turn the direction is reversed.
   const double radius = 1.0 / piece.curvature;
   const Eigen::Vector2d from_centre = offset - radius * leftOf(piece.along);
   const double side = radius > 0.0 ? 1.0 : -1.0;
@@ -119,7 +119,7 @@ RoadLine::locateOn(const Piece& piece, const Eigen::Vector2d& position) const
 RoadPoint
 RoadLine::locate(const Eigen::Vector2d& position) const
 {
-  // Headings stay within a right angle of +x, so the pieces are in the order of x.
+  // Headings stay within a right angle of +x, so the sections are sorted by x.
   const auto after = std::upper_bound(
       pieces_.begin(), pieces_.end(), position.x(),
       [](double x, const Piece& piece) { return x < piece.start.x(); });
@@ -170,7 +170,7 @@ Street::nearest(const Ray& ray, Surface& surface) const
 bool
 Street::nearestGround(const Ray& ray, Surface& surface) const
 {
-  // The sidewalk's plane comes first; where it is above the road the ray goes on down.
+  // The sidewalk's plane is hit first. Above the road the ray continues downward.
   const double height = ray.origin.z() - road_height;
   if (ray.direction.z() >= 0.0 || height < RoadLine::kerb_height)
     return false;
@@ -227,7 +227,7 @@ namespace {
 
 using synthetic::sinCos;
 
-/** \brief Camera axes (x right, y down, z forward) in the world's. */
+/** \brief Rotates camera axes (x right, y down, z forward) to the world's. */
 Eigen::Matrix3d
 worldFromCamera()
 {
@@ -236,7 +236,7 @@ worldFromCamera()
   return rotation;
 }
 
-/** \brief Turn about the vertical (to the left), then nose down, world axes. */
+/** \brief Rotation about the vertical (to the left), then nose down, world axes. */
 Eigen::Matrix3d
 turn(double heading, double pitch)
 {
@@ -265,7 +265,7 @@ SyntheticScene::pose(int frame) const
   if (frame < 0 || frame >= frames_)
     fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
                                     frames_, " frames");
-  // A car does not run on rails: it weaves, nods and bobs, smoothly and not in frame 0.
+  // A car weaves, pitches and bounces smoothly, with no deviation in frame 0.
   const double weave = sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI).second;
   const double nod = sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI).first;
   const synthetic::RoadLine& road = street_->road();
@@ -275,7 +275,7 @@ SyntheticScene::pose(int frame) const
   pose.linear() = turn(road.heading(position.s), 0.004 * nod) * worldFromCamera();
   pose.translation().head<2>() = road.position(position);
   pose.translation().z() = 0.008 * nod;
-  if (frame == 0) { // exactly the origin, whatever is left of rounding
+  if (frame == 0) { // exactly the origin, without rounding errors
     pose.linear() = worldFromCamera();
     pose.translation().setZero();
   }

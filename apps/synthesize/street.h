@@ -22,7 +22,7 @@ enum SyntheticClass : Label {
   synthetic_sign,
   synthetic_fence,
   synthetic_pole,
-  synthetic_classes = 11 ///< how many there are
+  synthetic_classes = 11 ///< number of classes
 };
 
 } // namespace pcl_semantic
@@ -30,26 +30,25 @@ enum SyntheticClass : Label {
 namespace pcl_semantic::synthetic {
 
 /** \brief A position along the street: \a s along the centre line, \a t to its left
- * [m].
- */
+ * [m]. */
 struct RoadPoint {
   double s = 0.0;
   double t = 0.0;
 };
 
-/** \brief The centre line of the road: straight pieces and arcs that turn left and
- * right by turns, so that it never crosses itself. */
+/** \brief The centre line of the road: straight sections and arcs that turn alternately
+ * left and right, so that it never crosses itself. */
 class RoadLine {
 public:
   static constexpr double half_width = 5.2;   ///< centre line to kerb [m]
   static constexpr double sidewalk_end = 7.7; ///< centre line to the plots [m]
-  static constexpr double kerb_height = 0.14; ///< of the sidewalk over the road [m]
+  static constexpr double kerb_height = 0.14; ///< of the sidewalk above the road [m]
 
-  /** \param[in] start where s = 0, world frame; the first piece runs along +x
+  /** \param[in] start position of s = 0, world frame; the first section runs along +x
    * \param[in] length smallest length of the line [m] */
   RoadLine(const Eigen::Vector2d& start, double length, std::uint32_t seed);
 
-  /** \brief World position of a position. */
+  /** \brief World position of a road point. */
   Eigen::Vector2d position(const RoadPoint& point) const;
 
   /** \brief Direction of the line at \a s: angle from +x to the left [rad]. */
@@ -58,16 +57,16 @@ public:
   /** \brief Curvature at \a s, positive to the left [1/m]. */
   double curvature(double s) const;
 
-  /** \brief The position nearest to a world position. */
+  /** \brief The road point nearest to a world position. */
   RoadPoint locate(const Eigen::Vector2d& position) const;
 
 private:
   struct Piece {
-    double s = 0.0;         ///< where it begins
+    double s = 0.0;         ///< at its start
     double length = 0.0;    ///< [m]
     double curvature = 0.0; ///< [1/m], left positive
-    double heading = 0.0;   ///< at its beginning [rad]
-    Eigen::Vector2d start;  ///< world position of its beginning
+    double heading = 0.0;   ///< at its start [rad]
+    Eigen::Vector2d start;  ///< world position of its start
     Eigen::Vector2d along;  ///< unit vector of heading
   };
 
@@ -80,7 +79,7 @@ private:
   std::vector<Piece> pieces_;
 };
 
-/** \brief First surface along a ray, with all that shading needs. */
+/** \brief First surface along a ray, with all values for shading. */
 struct Surface {
   double distance = 0.0; ///< in multiples of the ray's direction
   Label label = kUnlabelled;
@@ -94,15 +93,15 @@ struct Surface {
   RoadPoint road;                   ///< ground only
 };
 
-/** \brief Geometry of the street: the ground, which follows the road line, and all the
- * solids that stand on it. */
+/** \brief Geometry of the street: the ground along the road line, and all solids on
+ * it. */
 class Street {
 public:
   static constexpr double road_height = -1.65; ///< z of the road, world frame [m]
   static constexpr double lane = -1.6;         ///< t of the camera's lane [m]
-  static constexpr double sight = 400.0;       ///< where the ground ends [m]
+  static constexpr double sight = 400.0;       ///< limit of the ground [m]
 
-  /** \param[in] length way that the camera drives [m] */
+  /** \param[in] length distance driven by the camera [m] */
   Street(std::uint32_t seed, double length);
 
   const RoadLine&
@@ -117,7 +116,7 @@ public:
     return seed_;
   }
 
-  /** \brief The first surface along a ray. \return false: the sky */
+  /** \brief Finds the first surface along a ray. \return false for the sky */
   bool nearest(const Ray& ray, Surface& surface) const;
 
   /** \brief Whether a solid hides the sun from a point. */
@@ -153,15 +152,15 @@ struct SyntheticHit {
  *
  * World frame: x forward, y left, z up, origin at camera 0 of the first frame, which is
  * camera_height above the road. The camera drives in the right lane. The same seed
- * gives the same street; more frames make it longer and change nothing near its
- * beginning. */
+ * gives the same street. More frames extend the street without changes near its
+ * start. */
 class SyntheticScene {
 public:
-  static constexpr double camera_height = 1.65;    ///< of camera 0 over the road [m]
-  static constexpr double metres_per_frame = 0.85; ///< way along the road
+  static constexpr double camera_height = 1.65;    ///< of camera 0 above the road [m]
+  static constexpr double metres_per_frame = 0.85; ///< distance along the road
   static constexpr double seconds_per_frame = 0.1;
 
-  /** \param[in] frames how many the street has to be long enough for
+  /** \param[in] frames number of frames that the street must be long enough for
    * \throws InvalidParameterException unless 1 <= frames <= 100000 */
   explicit SyntheticScene(std::uint32_t seed, int frames = 40);
 
@@ -181,15 +180,16 @@ public:
    * \throws InvalidParameterException unless 0 <= frame < frames() */
   Eigen::Isometry3d pose(int frame) const;
 
-  /** \brief The same pose as KITTI writes it: T_first_camera0, the camera 0 of \a frame
-   * in the axes of the camera 0 of frame 0. */
+  /** \brief The same pose in KITTI's convention: T_first_camera0, camera 0 of \a frame
+   * in the axes of camera 0 of frame 0. */
   Eigen::Isometry3d kittiPose(int frame) const;
 
-  /** \brief The first surface along origin + distance * direction, world frame. */
+  /** \brief Finds the first surface along origin + distance * direction, world
+   * frame. */
   SyntheticHit intersect(const Eigen::Vector3d& origin,
                          const Eigen::Vector3d& direction) const;
 
-  /** \brief Geometry that the renderer draws. */
+  /** \brief The rendered geometry. */
   const synthetic::Street&
   street() const
   {

@@ -62,7 +62,7 @@ parseSize(const std::string& text)
   return {width, height};
 }
 
-/** \brief Only digits: a stream would take -1 for 4294967295. */
+/** \brief Accepts only digits: a stream would read -1 as 4294967295. */
 std::uint32_t
 parseSeed(const std::string& text)
 {
@@ -87,7 +87,7 @@ synthesize(const Options& options)
   const SyntheticRenderer renderer(scene, size.width, size.height);
   const std::string longer =
       options.output + "/image_2/" + frameFileName(options.frames, ".png");
-  std::error_code error; // then writing there fails
+  std::error_code error; // a later write reports the error
   if (std::filesystem::exists(longer, error))
     fail<InvalidParameterException>(longer,
                                     ": is of a longer sequence, expected a new folder");

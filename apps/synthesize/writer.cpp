@@ -42,7 +42,7 @@ std::string
 calibration(const StereoCamera& camera)
 {
   const double x2 = SyntheticRenderer::camera_2_offset;
-  // A laser on the roof: x forward, y left, z up.
+  // A laser scanner on the roof: x forward, y left, z up.
   const std::array<double, 12> laser{0, -1, 0, 0.0, 0, 0, -1, -0.08, 1, 0, 0, -0.27};
   return calibrationLine("P0", projection(camera, 0.0)) +
          calibrationLine("P1", projection(camera, camera.baseline)) +
@@ -85,7 +85,7 @@ SyntheticWriter::writeFrame(const SyntheticView& view,
   const std::string png = "/" + frameFileName(view.frame, ".png");
   cv::Mat disparity;
   view.disparity.convertTo(disparity, CV_16UC1, 256.0);
-  disparity.setTo(0, view.disparity > 255.99); // beyond the format: none
+  disparity.setTo(0, view.disparity > 255.99); // exceeds the format: none
   writePng(folder_ + "/image_2" + png, view.left);
   writePng(folder_ + "/image_3" + png, view.right);
   writePng(folder_ + "/disparity" + png, disparity);

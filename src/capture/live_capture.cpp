@@ -34,14 +34,14 @@ void
 open(cv::VideoCapture& capture, const std::string& name)
 {
   const QuietOpenCv quiet;
-  // Named libraries only: left to choose, OpenCV also asks gPhoto for cameras, which
-  // searches all of USB and leaks memory.
+  // Named backends only: by default OpenCV also asks gPhoto for cameras, which searches
+  // all USB devices and leaks memory.
   bool is_open = false;
   if (isNumber(name))
     is_open = capture.open(std::stoi(name), cv::CAP_V4L2);
   else if (name.rfind("/dev/", 0) == 0)
     is_open = capture.open(name, cv::CAP_V4L2);
-  else if (name.find("://") != std::string::npos) // what says nothing is given up
+  else if (name.find("://") != std::string::npos) // a silent stream times out
     is_open = capture.open(name, cv::CAP_FFMPEG,
                            {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, longest_silence,
                             cv::CAP_PROP_READ_TIMEOUT_MSEC, longest_silence});
@@ -50,10 +50,10 @@ open(cv::VideoCapture& capture, const std::string& name)
   if (!is_open || !capture.isOpened())
     fail<BadInputException>(name, ": cannot be opened, expected a video, a camera's "
                                   "number or device, or the address of a stream");
-  capture.set(cv::CAP_PROP_BUFFERSIZE, 1); // the newest; not every camera heeds it
+  capture.set(cv::CAP_PROP_BUFFERSIZE, 1); // newest only; some ignore it
 }
 
-// One camera for each side, or one that gives both sides next to each other.
+// One camera per side, or one that provides both sides next to each other.
 class LiveCapture : public LiveCamera {
 public:
   explicit LiveCapture(const ImagePairFiles& files) : files_(files)
@@ -77,7 +77,7 @@ public:
                               {first.left.size(), files.left}, KittiCameras::colour);
   }
 
-  // A camera waits for its next image; a video is played at its rate.
+  // Waits for the next image of a camera; plays a video at its rate.
   int
   grab() override
   {
@@ -92,7 +92,7 @@ public:
       if (wait > longest_wait)
         return 0;
     }
-    // Beyond the end of a video the last pair could not be decoded any more.
+    // Grabbing beyond the end of a video would lose the last pair.
     if (number_ == last_ || !grabBoth()) {
       has_ended_ = true;
       is_lost_ = number_ != last_;
@@ -129,7 +129,7 @@ public:
 private:
   static constexpr std::chrono::milliseconds longest_wait{50};
 
-  // Both before one of them is decoded, so that they are of one moment.
+  // Grabs both before decoding either, so that their times agree.
   bool
   grabBoth()
   {
@@ -143,7 +143,7 @@ private:
     cv::Mat image;
     if (!capture.retrieve(image) || image.type() != CV_8UC3)
       fail<BadInputException>(name, ": an image cannot be decoded");
-    return image.clone(); // it is the decoder's
+    return image.clone(); // the decoder reuses its memory
   }
 
   StereoFrame
@@ -167,13 +167,13 @@ private:
 
   ImagePairFiles files_;
   cv::VideoCapture left_;
-  std::optional<cv::VideoCapture> right_; // none: left_ has both sides
-  Clock::duration period_{};              // of a video; 0 = a camera has its own time
+  std::optional<cv::VideoCapture> right_; // none: left_ provides both sides
+  Clock::duration period_{};              // of a video; 0 for a camera
   Clock::time_point begin_, when_;
-  int number_ = 0;       // of the pair that was grabbed last, the first is 0
-  int last_ = -1;        // of a video
-  bool is_first_ = true; // of the pairs
-  bool is_lost_ = false; // the pair that was grabbed last
+  int number_ = 0;       // number of the newest pair, from 0
+  int last_ = -1;        // last number of a video
+  bool is_first_ = true; // pair
+  bool is_lost_ = false; // the newest pair
   bool has_ended_ = false;
 };
 

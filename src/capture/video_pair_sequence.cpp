@@ -43,7 +43,7 @@ struct Video {
     if (!capture.read(image) || image.type() != CV_8UC3)
       failAt(i);
     ++next;
-    return image.clone(); // it is the decoder's
+    return image.clone(); // the decoder reuses its memory
   }
 
   void
@@ -64,7 +64,7 @@ struct Video {
 
   std::string path;
   cv::VideoCapture capture;
-  double rate = 0.0; // frames a second
+  double rate = 0.0; // frames per second
   std::size_t frames = 0, next = 0;
 };
 
@@ -73,7 +73,7 @@ struct Video {
 struct VideoPairSequence::Videos {
   Video left, right;
   RectifiedPair pair;
-  std::vector<double> times; // empty: by the rate
+  std::vector<double> times; // empty: from the rate
 };
 
 VideoPairSequence::VideoPairSequence(const ImagePairFiles& files)

@@ -10,7 +10,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Messages about values that are doubtful or not used, a line each. */
+/** \brief Messages about doubtful or unused values, one per line. */
 using Doubts = std::vector<std::string>;
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
@@ -22,8 +22,8 @@ struct CalibrationSource {
   std::string path;
   YamlMap map;
 
-  /** \brief Reads a file. \throws BadInputException that names XML, which is not read
-   */
+  /** \brief Reads a file.
+   * \throws BadInputException for XML, which is not supported */
   static CalibrationSource load(const std::string& path);
 
   /** \brief The mapping under a key. */
@@ -33,33 +33,33 @@ struct CalibrationSource {
     return {path, map.requireMap(key)};
   }
 
-  /** \brief The one of a value's keys that is there; empty if none is.
-   * \throws BadInputException if two are */
+  /** \brief Returns the existing one of a value's keys; empty if none exists.
+   * \throws BadInputException if two exist */
   std::string find(const Keys& keys) const;
 
   /** \brief "FILE line N: KEY". */
   std::string where(const std::string& key) const;
 
-  /** \brief The numbers of a matrix or a list, row after row.
-   * \param[in] count how many are expected; 0 = any number */
+  /** \brief The numbers of a matrix or a list, row by row.
+   * \param[in] count expected number; 0 = any */
   std::vector<double> numbers(const Keys& keys, std::size_t count = 0) const;
 
-  /** \brief A whole number that is not negative; 0 if it is not there. */
+  /** \brief A non-negative integer; 0 if missing. */
   int count(const std::string& key) const;
 
   Eigen::Matrix3d square(const Keys& keys) const;
 
-  /** \throws BadInputException if a model is stated that is not one of the known */
+  /** \throws BadInputException at an unknown model */
   void requireModel(const std::string& key, const Keys& known) const;
 };
 
-/** \brief How far R R^T is off the identity. */
+/** \brief Deviation of R R^T from the identity. */
 double deviationOf(const Eigen::Matrix3d& R);
 
-/** \brief The rotation nearest to one with fewer digits than those of a double.
+/** \brief Returns the rotation nearest to a rounded one.
  * \param[in] where for messages
- * \param[in,out] doubts gets one if more than digits are missing
- * \throws BadInputException if it is far from any */
+ * \param[in,out] doubts receives one if the error exceeds rounding
+ * \throws BadInputException if R is far from any rotation */
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& R, const std::string& where,
                                 Doubts& doubts);
 

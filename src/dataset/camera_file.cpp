@@ -38,9 +38,9 @@ textOf(const Size& size)
   return std::to_string(size.first) + " x " + std::to_string(size.second);
 }
 
-// What a camera gives of its sensor: sensor_msgs/CameraInfo's binning and roi.
+// Binning and region of interest of sensor_msgs/CameraInfo.
 struct Window {
-  int columns = 1, rows = 1;               // of the sensor in one pixel
+  int columns = 1, rows = 1;               // sensor pixels per image pixel
   int x = 0, y = 0, width = 0, height = 0; // on the sensor; width 0 = all
 
   Window() = default;
@@ -61,7 +61,7 @@ struct Window {
                " pixels, expected more, or zeros for the whole image");
   }
 
-  // The size of the images, and how it comes about.
+  // Size of the images. `text` receives its derivation.
   Size
   apply(const Size& sensor, const std::string& where, std::string& text) const
   {
@@ -85,7 +85,7 @@ struct Window {
     return size;
   }
 
-  // Of K or P, as image_geometry::PinholeCameraModel does.
+  // Applied to K or P, as in image_geometry::PinholeCameraModel.
   template <typename Matrix>
   void
   apply(Matrix& matrix) const
@@ -106,7 +106,7 @@ matrixOf(const std::vector<double>& values, const std::string& where)
   return K;
 }
 
-// Kalibr's and EuRoC's: fx fy cx cy.
+// Kalibr and EuRoC: fx fy cx cy.
 void
 readIntrinsics(const CalibrationSource& source, CameraFile& camera)
 {
@@ -134,7 +134,7 @@ readIntrinsics(const CalibrationSource& source, CameraFile& camera)
   }
 }
 
-// ROS' and OpenCV's.
+// ROS and OpenCV.
 void
 readMatrices(const CalibrationSource& source, CameraFile& camera)
 {
@@ -148,7 +148,7 @@ readMatrices(const CalibrationSource& source, CameraFile& camera)
   const std::string projection = source.find(projection_keys);
   if (!projection.empty()) {
     camera.P = RowMajor34(source.numbers({projection}, 12).data());
-    if (camera.P->isZero(0.0)) // drivers that know none
+    if (camera.P->isZero(0.0)) // from drivers without calibration
       camera.P.reset();
     else
       requireCameraMatrix(camera.P->leftCols<3>(), source.where(projection));
@@ -157,7 +157,7 @@ readMatrices(const CalibrationSource& source, CameraFile& camera)
   if (rectification.empty())
     return;
   const Eigen::Matrix3d R = source.square({rectification});
-  if (!R.isZero(0.0)) // as of P
+  if (!R.isZero(0.0)) // zero without a calibration, like P
     camera.R = nearestRotation(R, source.where(rectification), camera.doubts);
 }
 
@@ -190,7 +190,7 @@ middleburyCamera(const std::string& path, const std::string& text,
   return camera;
 }
 
-// The left colour camera.
+// Camera 2, the left colour camera.
 CameraFile
 readKittiCamera(const std::string& path)
 {
@@ -274,7 +274,7 @@ readCameraSize(const CalibrationSource& source)
     if (size != found.front().second)
       badInput(source.where(key), ": the image size is ", textOf(size), ", but '",
                found.front().first, "' says ", textOf(found.front().second));
-    // Drivers that know no calibration write zeros.
+    // Drivers without a calibration write zeros.
     if (size != Size(0, 0) && (size.first < 2 || size.second < 2))
       badInput(source.path, ": the image size is ", textOf(size), " pixels");
   }

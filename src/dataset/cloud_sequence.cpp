@@ -20,7 +20,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Times beyond 1e17 are nanoseconds, as in files of times. Nothing for a word.
+// Times above 1e17 are nanoseconds, as in files of times. None if the name is no time.
 std::optional<double>
 timeInName(const std::string& path)
 {
@@ -33,7 +33,7 @@ timeInName(const std::string& path)
   return time > 1e17 ? time * 1e-9 : time;
 }
 
-// Of all paths; empty if one is no time.
+// Times of all paths; empty if one has none.
 std::vector<double>
 timesInNames(const std::vector<std::string>& paths)
 {
@@ -50,12 +50,12 @@ isHeaderless(const std::string& path)
   return boost::algorithm::iends_with(path, ".bin");
 }
 
-// The pose of a frame would move what is in the world already.
+// The pose of a frame would displace a cloud that is already in the world's frame.
 void
 requireFrameOfSensor(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
                      const std::string& path)
 {
-  constexpr float farthest = 1e4f; // that a scanner sees [m]
+  constexpr float farthest = 1e4f; // range of a scanner [m]
   std::size_t seen = 0, far = 0;
   for (const pcl::PointXYZRGBL& point : cloud)
     if (isReturn(point)) {
@@ -101,7 +101,7 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
   numbers_ = frameNumbersOf(paths_);
   if (numbers_.empty()) {
     times_ = timesInNames(paths_);
-    if (!times_.empty()) // not the natural order: 0.25 comes before 0.5
+    if (!times_.empty()) // numeric order: natural order puts 0.25 before 0.5
       std::sort(paths_.begin(), paths_.end(), [](const auto& a, const auto& b) {
         return *timeInName(a) < *timeInName(b);
       });
@@ -142,7 +142,7 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
   const Eigen::Map<const Eigen::Vector4d> turn(read.table.viewpoint.data() + 3);
   if (turn.norm() > 1e-6)
     frame.viewpoint = viewpointOf(read.table, path(i));
-  else // as programs without a pose write it
+  else // programs without a pose write a zero quaternion
     frame.viewpoint.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);

@@ -17,8 +17,8 @@ namespace {
 using Paths = std::vector<std::string>;
 using Numbers = std::vector<std::string>;
 
-// The numbers in each path that are not the same in all of them: those that count.
-// Empty if the paths do not all hold as many.
+// The numbers in each path that differ between paths, such as frame numbers. Empty if
+// the paths have different amounts of numbers.
 std::vector<Numbers>
 countingNumbers(const Paths& paths)
 {
@@ -37,7 +37,7 @@ countingNumbers(const Paths& paths)
   return counting;
 }
 
-// A lost image in the middle of one side would shift all the pairs behind it.
+// An image missing in the middle of one side would shift all later pairs.
 void
 requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
 {

@@ -25,9 +25,9 @@ struct Row {
   }
 };
 
-// How many numbers a row has that is read, by its name in the odometry benchmark. The
-// raw data calls P2 `P_rect_02` and has its image size in `S_rect_02`; the benchmarks
-// of objects and tracking have Tr in two parts, R0 before V.
+// Amount of numbers in a row, by the row's name in the odometry benchmark. The raw data
+// calls P2 `P_rect_02` and has its image size in `S_rect_02`. The object and tracking
+// benchmarks split Tr into two parts, R0 before V.
 std::size_t
 countOf(const std::string& name)
 {
@@ -74,7 +74,7 @@ readRows(const std::string& path)
   return rows;
 }
 
-/** \brief Checks that a row is K [I | t] of a pinhole camera. \return t [m] */
+/** \brief Requires K [I | t] of a pinhole camera. \return t [m] */
 Eigen::Vector3d
 translationOf(const Row& row)
 {
@@ -137,7 +137,7 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
 
   KittiCalibration calibration;
   const double baseline = t_left.x() - t_right.x();
-  if (baseline <= 0.0 || baseline > 10.0) // what is no number the camera refuses
+  if (baseline <= 0.0 || baseline > 10.0) // StereoCamera refuses NaN
     fail<BadInputException>(right.where, ": baseline is ", baseline, " m, expected ",
                             baseline > 10.0 ? "at most 10 m; is it in millimetres?"
                                             : "more than 0 (left and right swapped?)");

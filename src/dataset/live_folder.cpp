@@ -28,7 +28,7 @@ struct PairFolders {
   std::string left, right;
 };
 
-// Of KITTI's colour pair, or else of its grey one.
+// KITTI's colour pair if it exists, else its grey pair.
 PairFolders
 foldersIn(const std::string& folder)
 {
@@ -37,7 +37,7 @@ foldersIn(const std::string& folder)
              : PairFolders{folder + "/image_0", folder + "/image_1"};
 }
 
-// Whether a PNG has been written to its end, the chunk IEND.
+// Whether a PNG is complete: it ends with the chunk IEND.
 bool
 isWhole(const std::string& path)
 {
@@ -45,19 +45,19 @@ isWhole(const std::string& path)
                                        '\xae', '\x42', '\x60', '\x82'};
   std::error_code error;
   if (!fs::is_regular_file(path, error))
-    return false; // a pipe would have to be waited for
+    return false; // reading a pipe would block
   std::ifstream file(path, std::ios::binary);
   std::array<char, 8> last{};
   return file.seekg(-std::streamoff(end.size()), std::ios::end) &&
          file.read(last.data(), last.size()) && last == end;
 }
 
-// The pairs of two folders that grow.
+// The pairs of two growing folders.
 class NewPairs {
 public:
   explicit NewPairs(PairFolders folders) : folders_(std::move(folders)) {}
 
-  // The newest pair that is whole; how many have come with it, 0 = none.
+  // Finds the newest complete pair. Returns the number of new pairs; 0 = none.
   int
   next(StereoPairFiles& pair)
   {
@@ -78,7 +78,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t most = 100; // pairs that are looked at
+  static constexpr std::size_t most = 100; // maximum of checked pairs
 
   std::string
   rightOf(const FrameFile& left) const
@@ -86,7 +86,7 @@ private:
     return folders_.right + "/" + fs::path(left.path).filename().string();
   }
 
-  // Lists the left images, if one has come since: a folder may hold many.
+  // Lists the left images only after a change, because a folder may be large.
   void
   look()
   {
@@ -102,20 +102,20 @@ private:
          fs::directory_iterator(folders_.left, error))
       behind += isBehind(entry.path());
     const int late = std::max(behind - behind_, 0);
-    behind_ = behind - late; // until they are counted
+    behind_ = behind - late; // late ones are not counted yet
     std::sort(found_.begin(), found_.end(), [](const FrameFile& a, const FrameFile& b) {
       return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;
     });
     const int older = int(found_.size() - std::min(most, found_.size()));
     found_.erase(found_.begin(), found_.begin() + older);
     passed_ = older + late;
-    // The clock of files is coarse: what comes in the same moment must not be missed.
+    // File times are coarse: list again if another file could have the same time.
     constexpr std::chrono::milliseconds moment(20);
     if (fs::file_time_type::clock::now() - changed > moment)
       seen_ = changed;
   }
 
-  // Whether it is of a pair before the last one; adds those after it.
+  // Whether the file belongs to the last pair or earlier; collects later ones.
   bool
   isBehind(const fs::path& path)
   {
@@ -129,10 +129,10 @@ private:
   }
 
   PairFolders folders_;
-  std::vector<FrameFile> found_; // left images behind last_, by number
-  int passed_ = 0;               // older ones that are not looked at, or came late
-  int behind_ = 0;               // in the folder, up to last_, and counted
-  int last_ = -1;                // number of the pair that was given out last
+  std::vector<FrameFile> found_; // left images after last_, by number
+  int passed_ = 0;               // older unchecked or late ones
+  int behind_ = 0;               // counted files up to last_
+  int last_ = -1;                // number of the last returned pair
   fs::file_time_type seen_ = fs::file_time_type::min();
 };
 
@@ -182,7 +182,7 @@ private:
 
   NewPairs pairs_;
   StereoPairFiles grabbed_;
-  int came_ = 0; // that the constructor found
+  int came_ = 0; // from the constructor
   Clock::time_point begin_ = Clock::now(), when_;
 };
 

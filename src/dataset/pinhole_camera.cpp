@@ -11,7 +11,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// What a camera_info states of a pair, which one camera has no use for.
+// Adds doubts about values of a pair, which are unused for one camera.
 void
 doubtPair(CameraFile& file)
 {
@@ -47,7 +47,7 @@ PinholeCamera::ofImage(int image_width, int image_height,
 {
   const std::string name = calibration.empty() ? "the camera" : calibration;
   requireStatedSize(width, height, stated_size, name, image_width, image_height, image);
-  // Outside, it is the calibration of images of another size.
+  // Outside, the calibration is for images of another size.
   if (width == 0 && !(cx > 0.0 && cx < image_width && cy > 0.0 && cy < image_height))
     badInput(name, ": the principal point (", cx, ", ", cy,
              ") is outside the images of ", image_width, " x ", image_height,

@@ -16,14 +16,14 @@ namespace pcl_semantic {
 
 namespace {
 
-// How much a rectified image may be enlarged or made smaller. More is no lens, but a
-// polynomial that was fitted to too little.
+// Maximum change of scale by rectification. A larger one means a badly fitted
+// distortion polynomial.
 constexpr double kScale = 8.0;
 
-constexpr int kStep = 8;         // [px] between the pixels that are looked at
-constexpr double kUsable = 0.95; // fraction of them that has to come out right
+constexpr int kStep = 8;         // [px] between checked pixels
+constexpr double kUsable = 0.95; // required fraction of valid ones
 
-// A rig as OpenCV's functions take it, and what stereoRectify makes of it.
+// A rig in OpenCV's types, and the result of stereoRectify.
 struct Rectification {
   cv::Mat K1, K2, D1, D2, R, T;
   cv::Mat R1, R2, P1, P2;
@@ -67,7 +67,7 @@ cameraOf(const StereoRig& rig, const Rectification& result)
   return camera;
 }
 
-// Polynomials fold an image over where they were not fitted, and OpenCV does not look.
+// Polynomials fold an image where they were not fitted; OpenCV does not check this.
 void
 requireUsable(const cv::Mat2s& whole, const char* name)
 {

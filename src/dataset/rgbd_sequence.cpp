@@ -25,11 +25,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kMaxDifference = 0.02; // of the times of colour and depth [s]
+constexpr double kMaxDifference = 0.02; // between the times of colour and depth [s]
 
 struct TimedFile {
   double time = 0.0;
-  std::string word, path; // the time as it stands there
+  std::string word, path; // the time as text
 };
 
 std::vector<TimedFile>
@@ -57,7 +57,7 @@ readList(const std::string& folder, const std::string& name)
   return files;
 }
 
-// Of less than one, a number would be more than a metre: 0.001 is metres a number.
+// A scale below 1 would make one number more than a metre: 0.001 is metres per number.
 void
 requireScale(double scale)
 {
@@ -69,7 +69,7 @@ requireScale(double scale)
                  " if a number stands for ", scale, " m");
 }
 
-// Of the numbers that are depths.
+// Median of the valid depths.
 std::optional<double>
 medianOf(const cv::Mat1w& depths)
 {
@@ -84,7 +84,7 @@ medianOf(const cv::Mat1w& depths)
   return *middle;
 }
 
-// Rooms and streets: half of the pixels of no camera are nearer or farther.
+// Checks the median depth: in rooms and streets it is within these limits.
 std::string
 doubtOfScale(double median, double scale)
 {

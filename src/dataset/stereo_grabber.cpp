@@ -28,7 +28,7 @@ StereoGrabber::take(std::chrono::milliseconds patience)
   changed_.wait_for(lock, patience, [&] {
     return grabbed_ || error_ || (has_ended_ && waiting_ == 0);
   });
-  is_wanted_ = false; // what comes until the next call may be old by then
+  is_wanted_ = false; // pairs before the next call may be old by then
   if (error_)
     std::rethrow_exception(std::exchange(error_, nullptr));
   return std::exchange(grabbed_, std::nullopt);
@@ -72,7 +72,7 @@ StereoGrabber::grabAll()
     if (error)
       error_ = error;
   }
-  // The last pair is kept for the next caller, unless the camera broke.
+  // Keeps the last pair for the next caller, unless the camera failed.
   if (error_)
     waiting_ = 0;
   while (!stop_ && waiting_ > 0) {
@@ -82,7 +82,7 @@ StereoGrabber::grabAll()
   changed_.notify_all();
 }
 
-// Decodes the newest pair if it is wanted.
+// Decodes the newest pair if a caller waits.
 void
 StereoGrabber::serve(std::unique_lock<std::mutex>& lock)
 {

@@ -44,7 +44,7 @@ readCalibrationOf(cv::Size size, const std::string& image, const std::string& pa
   camera.width = size.width;
   camera.height = size.height;
   readFrom(path, [&] { camera.validate(); });
-  // Outside, it is the calibration of images of another size.
+  // Outside, the calibration is for images of another size.
   if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
         camera.cy < camera.height))
     fail<BadInputException>(path, ": the principal point (", camera.cx, ", ", camera.cy,

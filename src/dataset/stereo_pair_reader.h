@@ -18,25 +18,26 @@ struct StereoPairFiles {
 };
 
 /** \brief Reads one image.
- * \param[in] size of the first image, which it must have [px]; empty: it is the first
+ * \param[in] size required size (of the first image) [px]; empty = any
  * \throws BadInputException that names the frame */
 cv::Mat readFrameImage(const std::string& path, int frame, cv::Size size = {});
 
-/** \brief Reads both images; they have to be of one type.
- * \param[in] size of the first image, which they must have [px]
- * \return without the time
+/** \brief Reads both images, which must have the same type.
+ * \param[in] size required size (of the first image) [px]
+ * \return the frame without its time
  * \throws BadInputException that names the frame */
 StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size);
 
-/** \brief KITTI's calibration with the size of the images filled in.
- * \param[in] size of one of them [px]
+/** \brief Reads KITTI's calibration and adds the size of the images.
+ * \param[in] size of an image [px]
  * \param[in] image its path, for messages
- * \throws BadInputException as readKittiCalibration(), or if it cannot be theirs */
+ * \throws BadInputException as readKittiCalibration(), or if it does not fit the
+ * image */
 KittiCalibration readCalibrationOf(cv::Size size, const std::string& image,
                                    const std::string& path, KittiCameras cameras);
 
-/** \brief The times of a file, at least one a frame [s].
- * \param[in] called what the frames are, for messages */
+/** \brief Reads the times of a file, at least one per frame [s].
+ * \param[in] called name of the frames, for messages */
 std::vector<double> readTimesOf(const std::string& path, std::size_t frames,
                                 const std::string& called);
 

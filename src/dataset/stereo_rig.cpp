@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr double kFarthest = 10.0; // [m]; more are millimetres
+constexpr double kFarthest = 10.0; // [m]; larger values are millimetres
 
 void
 requireRotation(const Eigen::Matrix3d& R, double tolerance)
@@ -75,7 +75,7 @@ validateTranslation(const Eigen::Vector3d& T)
            "T); are left and right swapped?");
 }
 
-// As the file states it.
+// Sets the size stated in the file.
 void
 setSize(StereoRig& rig, const CameraFile& camera)
 {
@@ -84,7 +84,7 @@ setSize(StereoRig& rig, const CameraFile& camera)
   rig.stated_size = camera.size;
 }
 
-// Two files, or two parts of one, with a camera each.
+// Two files, or two parts of one, with one camera each.
 StereoRig
 rigOf(const CameraFile& left, const CameraFile& right)
 {
@@ -149,7 +149,7 @@ readKalibrRig(const CalibrationSource& source)
   return rig;
 }
 
-// The two cameras of a pair have a file each: EuRoC's say where each is in the body.
+// EuRoC has one file per camera, with the camera's pose in the body.
 StereoRig
 readEurocRig(const CameraFile& left, const CameraFile& right)
 {
@@ -158,7 +158,7 @@ readEurocRig(const CameraFile& left, const CameraFile& right)
   return rig;
 }
 
-// The camera of rectified images takes the place of the one that took them.
+// Replaces the original camera by the camera of the rectified images.
 void
 rectify(CameraFile& camera)
 {
@@ -166,8 +166,8 @@ rectify(CameraFile& camera)
   camera.R = Eigen::Matrix3d::Identity();
 }
 
-// A camera_info: its rectification takes the camera's frame to that of the pair, where
-// its projection says how far the camera stands to the right [m].
+// The pose of a camera_info in the pair: the rectification is its rotation, the
+// projection gives its offset to the right [m].
 Eigen::Isometry3d
 poseInPair(const CameraFile& camera)
 {
@@ -186,7 +186,7 @@ readRosRig(CameraFile left, CameraFile right)
     if (camera.distortion.empty())
       badInput(camera.path, ": states no distortion ('D'), expected its coefficients");
   }
-  // A rotation is for images that are not rectified yet, even without distortion.
+  // Images with a rotation are not rectified yet, even without distortion.
   const auto isRectified = [](const CameraFile& camera) {
     return camera.R->isIdentity(1e-9) && !camera.isDistorted();
   };

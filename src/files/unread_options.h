@@ -21,13 +21,13 @@ struct UnreadOptions {
 void refuseUnread(const std::set<std::string>& given,
                   const std::vector<UnreadOptions>& rules);
 
-/** \brief Those of a CRF.
+/** \brief Unread options of a CRF.
  * \param[in] model "none" or "unary", "dense", "pn-potts" or "hierarchical"
- * \param[in] cliques as `--cliques` has them */
+ * \param[in] cliques value of `--cliques` */
 std::vector<UnreadOptions> unreadOptionsOfCRF(const std::string& model,
                                               const std::string& cliques);
 
-/** \brief Those of stored labels that are probabilities.
+/** \brief Unread options of stored labels that are probabilities.
  * \param[in] labels folder or file; empty = none */
 UnreadOptions unreadOptionsOfLabels(const std::string& labels);
 

@@ -22,11 +22,11 @@ namespace {
 bool
 hasPosition(const Eigen::Vector3f& position)
 {
-  // Written so that NaN has none.
+  // Written so that NaN fails.
   return (position.array().abs() <= CloudCRF::max_coordinate).all();
 }
 
-// The indices of points at a position, each once, in rising order.
+// Indices of points with a position, without duplicates, ascending.
 pcl::Indices
 validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
             const pcl::Indices& indices, std::size_t& skipped)
@@ -53,7 +53,7 @@ validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
   return valid;
 }
 
-// Of each coordinate.
+// Median per coordinate.
 Eigen::Vector3f
 medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
 {
@@ -74,7 +74,7 @@ medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
   return median;
 }
 
-// The least of each coordinate.
+// Minimum per coordinate.
 VoxelIndex
 cornerOf(const std::vector<VoxelIndex>& voxels, const pcl::Indices& indices)
 {
@@ -92,7 +92,7 @@ requireSize(const char* what, std::size_t size, std::size_t points)
                  points);
 }
 
-// \param[in] voxels of all points; empty: positions are those of the fields
+// \param[in] voxels of all points; empty = use the positions of the fields
 CRFElements
 elementsOf(const CloudFields& fields, const pcl::Indices& indices,
            const std::vector<VoxelIndex>& voxels, double voxel_size)
@@ -104,8 +104,8 @@ elementsOf(const CloudFields& fields, const pcl::Indices& indices,
   elements.positions.resize(3, count);
   if (fields.colours.size() > 0)
     elements.colours.resize(3, count);
-  // Differences from a position among the points keep single precision wherever the
-  // cloud lies; it must not depend on their order, nor on what lies far from most.
+  // The median as origin keeps single precision for clouds far from 0. Unlike the first
+  // point or the mean, it depends neither on the order nor on outliers.
   const Eigen::Vector3f middle =
       voxels.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
   const VoxelIndex corner =
@@ -264,7 +264,7 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
     fields.colours.resize(3, 0);
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
-  // Voxels are where their indices say.
+  // Voxels have positions from their indices, so a zero is valid there.
   const auto isZero = [&](std::size_t i) {
     return fields.positions.col(Eigen::Index(i)).isZero(0.0f);
   };

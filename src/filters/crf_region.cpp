@@ -12,7 +12,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// A mark for each block of the box around some voxels.
+// One mark per block of the bounding box of the voxels.
 class BlockMarks {
 public:
   explicit BlockMarks(const std::vector<VoxelIndex>& voxels)
@@ -34,7 +34,7 @@ public:
     return marks_[cellOf(block - low_)];
   }
 
-  // All blocks up to some blocks away from a marked one, in each axis.
+  // All blocks within some blocks of a marked one, per axis.
   BlockMarks
   dilated(int blocks) const
   {
@@ -64,7 +64,7 @@ private:
     std::vector<std::uint8_t> marked;
     for (int k = 0; k < length; ++k)
       marked.push_back(line[std::size_t(k) * step]);
-    int next = 0; // of those before it all are done
+    int next = 0; // everything before it is done
     for (int k = 0; k < length; ++k)
       if (marked[std::size_t(k)])
         for (next = std::max(next, k - blocks); next < length && next <= k + blocks;
@@ -98,7 +98,8 @@ crfReach(const SemanticCRFParameters& parameters, double voxel_size)
     deviation = std::max(deviation, given > 0.0 ? given : automatic);
   const double radius =
       parameters.kernel_method == KernelMethod::lattice ? 3.0 : parameters.radius;
-  // One step more: messages are normalised by those that their senders receive.
+  // One extra step, because messages are normalised by their senders' received
+  // messages.
   return (parameters.iterations + 1) * radius * deviation;
 }
 

@@ -11,27 +11,27 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The part of a refined map that the next run of the CRF has to see: where
- * no voxel was measured since, its result would be what it was. */
+/** \brief Part of a refined map for the next run of the CRF. Voxels without new
+ * measurements nearby would get the same result again. */
 struct CrfRegion {
-  pcl::Indices updated; ///< voxels whose result may be another one, in rising order
-  pcl::Indices seen;    ///< these and all that they hear of, in rising order
+  pcl::Indices updated; ///< voxels whose result may change, ascending
+  pcl::Indices seen;    ///< these and all within their reach, ascending
 };
 
-/** \brief How far what a voxel says is heard after some updates [m]. */
+/** \brief Distance over which a voxel influences others after all updates [m]. */
 double crfReach(const SemanticCRFParameters& parameters, double voxel_size);
 
-/** \brief The same in blocks of 8 x 8 x 8 voxels, rounded up. */
+/** \brief A reach in blocks of 8 x 8 x 8 voxels, rounded up. */
 int blocksWithin(double reach, double voxel_size);
 
-/** \brief The voxels without a result (VoxelCloud::is_refined) and those around them,
- * by whole blocks of 8 x 8 x 8.
+/** \brief Returns the voxels without a result (VoxelCloud::is_refined) and their
+ * surroundings, by whole blocks of 8 x 8 x 8.
  *
  * \param[in] reach [m] */
 CrfRegion crfRegion(const VoxelCloud& voxels, double reach);
 
-/** \brief Runs a CRF, whose model and parameters are set, over what the region has
- * seen, and gives what it says to the voxels that are updated. */
+/** \brief Runs a CRF, whose model and parameters are set, over the `seen` voxels of a
+ * region and writes the result to its `updated` voxels. */
 void refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
                   const CrfRegion& region, VoxelCloud& voxels);
 

@@ -7,7 +7,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr float greatest_weight = 1e9f; // as that of the parameters
+constexpr float greatest_weight = 1e9f; // as for the weights among the parameters
 
 } // namespace
 

@@ -30,7 +30,7 @@ isDistribution(const Eigen::Ref<const Eigen::VectorXf>& column)
          (std::isfinite(column.sum()) || column.allFinite());
 }
 
-// Refuses what is no distribution; counts the unlabelled ones.
+// Refuses invalid distributions; counts the unlabelled ones.
 std::size_t
 checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
 {
@@ -64,17 +64,16 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
 
 struct ResultOptions {
   double temperature;
-  std::vector<Label> kept; // what was measured as one of these mostly stays so
+  std::vector<Label> kept; // classes kept by measured elements unless outvoted
 };
 
-// The marginals, tempered, for the measurements. An element that is unlabelled and
-// receives no message has a uniform one, of which the first class would be the largest:
-// it stays unlabelled.
+// Replaces measurements by tempered marginals. An unlabelled element without messages
+// has a uniform marginal, so it stays unlabelled instead of getting the first class.
 void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
             const ResultOptions& options, LabelDistributions& distributions)
 {
-  // Unless messages outvote it by more than e^6; doc/crf.md.
+  // A kept class loses only if messages outvote it by more than e^6; doc/crf.md.
   const auto isKept = [&](const auto& measured, const auto& marginal) {
     constexpr float e6 = 403.4288f;
     Eigen::Index before = 0, after = 0;
@@ -104,7 +103,7 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
     negateLogs(column.data(), std::size_t(classes), 1e-30f);
     column *= float(-1.0 / options.temperature);
     distributionFromLog(column.data(), classes, column.data());
-    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // rounding
+    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // after rounding
       column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
   }
 }

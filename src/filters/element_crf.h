@@ -13,11 +13,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The elements of a CRF that take part: points of a cloud, pixels of an image.
- */
+/** \brief The elements that take part in a CRF: points of a cloud or pixels of an
+ * image. */
 struct CRFElements {
   std::size_t total = 0;     ///< elements of the whole cloud or image
-  pcl::Indices indices;      ///< of the n that take part, each once
+  pcl::Indices indices;      ///< the n that take part, without duplicates
   Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
   Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   double spacing = 0.0;      ///< CRFReport::spacing
@@ -30,12 +30,12 @@ using Cliques = std::vector<pcl::PointIndices>;
 void requireMembers(const Cliques& cliques);
 
 /** \brief Runs mean field over elements.
- * \param[in] cliques null = none. Members that take no part are left out, and cliques
- * that lose all are skipped
- * \param[in,out] elements are brought into the order that suits the kernels
- * \param[in,out] distributions of the whole cloud or image: the columns of the elements
- * hold their measurements and then the refined distributions; an element without
- * measurement that receives no message stays unlabelled
+ * \param[in] cliques null = none. Members that take no part are removed, and cliques
+ * without remaining members are skipped
+ * \param[in,out] elements are sorted into an order that suits the kernels
+ * \param[in,out] distributions of the whole cloud or image: measurements of the
+ * elements on input, refined distributions on output. An element without measurement
+ * and messages stays unlabelled
  * \throws InvalidParameterException if terms or cliques do not fit
  * \throws BadInputException if a measurement is negative or not finite */
 CRFReport refineElements(const CRFTerms& terms, const Cliques* cliques,

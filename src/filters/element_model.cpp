@@ -14,25 +14,25 @@ namespace pcl_semantic {
 
 namespace {
 
-// Costs -log p, eq. (4), of some columns of measurements, L x N of any positive scale;
-// one that is all zero has no preference.
+// Costs -log p, eq. (4), of some columns of measurements, L x N at any positive scale.
+// An all-zero column has equal costs.
 Eigen::MatrixXf
 unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& columns)
 {
-  constexpr std::size_t block = 64; // logarithms are quicker many at a time
+  constexpr std::size_t block = 64; // for vectorised logarithms
   Eigen::MatrixXf costs(measured.rows(), Eigen::Index(columns.size()));
 #pragma omp parallel for schedule(static)
   for (std::size_t begin = 0; begin < columns.size(); begin += block) {
     const std::size_t end = std::min(columns.size(), begin + block);
     for (std::size_t k = begin; k < end; ++k) {
       const auto column = measured.col(columns[k]);
-      double sum = 0.0; // in this order, wherever the column lies
+      double sum = 0.0; // fixed order, independent of alignment
       for (const float value : column)
         sum += double(value);
       if (sum > 0.0)
         costs.col(Eigen::Index(k)) = (column.cast<double>() / sum).cast<float>();
       else
-        costs.col(Eigen::Index(k)).setOnes(); // no cost
+        costs.col(Eigen::Index(k)).setOnes(); // equal costs: -log 1 = 0
     }
     negateLogs(costs.data() + Eigen::Index(begin) * costs.rows(),
                (end - begin) * std::size_t(costs.rows()), smallest_probability);
@@ -46,7 +46,6 @@ kernelOptions(const SemanticCRFParameters& parameters)
   return {parameters.kernel_method, float(parameters.radius), parameters.normalization};
 }
 
-// Columns of a matrix.
 template <typename Index>
 Eigen::MatrixXf
 gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
@@ -58,7 +57,7 @@ gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
   return result;
 }
 
-// The parameters with the deviations that suit the elements.
+// Sets automatic deviations from the spacing.
 SemanticCRFParameters
 resolved(SemanticCRFParameters parameters, double spacing)
 {
@@ -69,8 +68,8 @@ resolved(SemanticCRFParameters parameters, double spacing)
   return parameters;
 }
 
-// Eq. (6). Without colours the second kernel is one of positions: what the first lacks
-// then is the weight, without which a single wrong label outvotes its neighbours.
+// Eq. (6). Without colours the second kernel becomes a kernel over positions, to keep
+// its weight: otherwise a single wrong label outvotes its neighbours.
 std::vector<GaussianTerm>
 makeTerms(double smoothness_weight, double smoothness_deviation,
           double appearance_weight, double appearance_deviation,
@@ -101,7 +100,7 @@ deviationsOf(const std::vector<GaussianTerm>& terms)
   return deviations;
 }
 
-// Means of the columns of the members; empty if there are no values.
+// Mean columns of the members; empty if there are no values.
 Eigen::MatrixXf
 meansOf(const Eigen::MatrixXf& values,
         const std::vector<std::vector<std::int32_t>>& cliques)
@@ -118,7 +117,7 @@ meansOf(const Eigen::MatrixXf& values,
   return means;
 }
 
-// The costs of the cliques that take part.
+// Costs of the cliques that take part.
 Eigen::MatrixXf
 keptCosts(const Eigen::MatrixXf& costs, std::size_t cliques,
           const std::vector<int>& kept)
@@ -131,7 +130,7 @@ keptCosts(const Eigen::MatrixXf& costs, std::size_t cliques,
 
 class ModelBuilder {
 public:
-  /** \brief Brings the elements into the order that suits the kernels.
+  /** \brief Sorts the elements into an order that suits the kernels.
    * \param[in] measured of all elements */
   ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
                const LabelDistributions& measured)
@@ -145,12 +144,12 @@ public:
       reorder(gaussian_kernels_.fastestOrder());
   }
 
-  /** \param[in,out] report the numbers of cliques are set */
+  /** \param[in,out] report receives the numbers of cliques */
   CrfModel
   build(CRFReport& report)
   {
     CrfModel model;
-    model.kernels = kernels(); // first: they need the most memory while they are made
+    model.kernels = kernels(); // first: construction needs most memory
     model.unary = unaryCosts(measured_.matrix(), elements_.indices);
     model.compatibility = terms_.compatibility;
     model.self_interaction = parameters_.self_interaction;
@@ -224,7 +223,7 @@ private:
     model.cliques.push_back(std::move(potential));
   }
 
-  // The cliques in the elements that take part, and which ones are left.
+  // Cliques as columns of elements that take part. `kept` receives their indices.
   std::vector<std::vector<std::int32_t>>
   cliquesOfElements(std::vector<int>& kept) const
   {
@@ -232,7 +231,7 @@ private:
     for (std::size_t k = 0; k < elements_.indices.size(); ++k)
       columns[std::size_t(elements_.indices[k])] = std::int32_t(k);
     std::vector<std::vector<std::int32_t>> cliques;
-    std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
+    std::vector<std::int32_t> last_clique(elements_.total, -1); // by index
     for (std::size_t c = 0; c < cliques_->size(); ++c) {
       std::vector<std::int32_t> members;
       for (const pcl::index_t index : (*cliques_)[c].indices) {

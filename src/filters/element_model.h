@@ -12,7 +12,7 @@ constexpr float smallest_probability = 1e-6f;
 
 /** \brief Builds the model over elements, eqs. (3)-(9); see refineElements().
  * \param[in] measured distributions of all elements
- * \param[in,out] report the numbers of cliques are set */
+ * \param[in,out] report receives the numbers of cliques */
 CrfModel buildModel(const CRFTerms& terms, const Cliques* cliques,
                     CRFElements& elements, const LabelDistributions& measured,
                     CRFReport& report);

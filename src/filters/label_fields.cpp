@@ -15,7 +15,7 @@ namespace {
 
 using Field = pcl::PCLPointField;
 
-// Returns what lies behind it.
+// Returns the byte after the value.
 template <typename T>
 std::uint8_t*
 put(float number, std::uint8_t* to)

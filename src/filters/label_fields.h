@@ -12,42 +12,44 @@
 
 namespace pcl_semantic {
 
-/** \brief Writes labels into the bytes of clouds that have the fields of another one:
- * its `label` and its `probability`, of whatever type and spelling (findLabelField(),
- * findProbabilityFields()). */
+/** \brief Writes labels into the fields `label` and `probability` of another cloud's
+ * bytes, in any type and spelling accepted by findLabelField() and
+ * findProbabilityFields(). */
 class LabelFields {
 public:
-  /** \param[in] table of \a cloud as it is, see addKnownFields()
-   * \throws InvalidParameterException if there is no label, or it cannot hold 255 */
+  /** \param[in] table of \a cloud, see addKnownFields()
+   * \throws InvalidParameterException if there is no label or its type cannot store
+   * 255 */
   LabelFields(const pcl::PCLPointCloud2& cloud, const PcdTable& table);
 
-  /** \brief Accepts fields that were read: others hold something else, which would be
-   * lost. Probabilities that were not read are left alone.
+  /** \brief Checks that the reader understood the fields to be overwritten; other
+   * contents would be lost. Probabilities that were not read are kept.
    * \param[in] read the same cloud
    * \throws BadInputException if the labels were not understood
-   * \throws InvalidParameterException if probabilities are whole numbers */
+   * \throws InvalidParameterException if probabilities are integers */
   void requireRead(const LabelledCloud& read);
 
-  /** \throws InvalidParameterException if there are probabilities of another number of
+  /** \throws InvalidParameterException if the probabilities have another number of
    * classes */
   void requireClasses(int classes) const;
 
-  /** \brief Of one point, after the checks above.
-   * \param[in] point its bytes \param[in] column of \a distributions */
+  /** \brief Writes one point, after the checks above.
+   * \param[in] point its bytes
+   * \param[in] column of \a distributions */
   void write(std::uint8_t* point, std::uint32_t label,
              const LabelDistributions& distributions, Eigen::Index column) const;
 
 private:
   pcl::PCLPointField label_;
-  std::vector<pcl::PCLPointField> probabilities_; // one field, or one a class
+  std::vector<pcl::PCLPointField> probabilities_; // one field, or one per class
   void (*write_label_)(std::uint8_t* bytes, std::uint32_t label);
 };
 
-/** \brief Renames fields that a filter does not use, so that it refuses none of their
- * values. */
+/** \brief Renames fields that a filter does not use, so that their values are not
+ * checked. */
 void passOver(const std::vector<std::string>& names, PcdTable& table);
 
-/** \brief The bytes of the i-th point, row by row. */
+/** \brief Byte offset of the i-th point, row by row. */
 inline std::size_t
 offsetOfPoint(const pcl::PCLPointCloud2& cloud, std::size_t i)
 {

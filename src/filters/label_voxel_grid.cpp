@@ -31,7 +31,7 @@ isBefore(const Member& a, const Member& b)
   return a.point < b.point;
 }
 
-// As SemanticCRF passes over them.
+// As in SemanticCRF.
 bool
 isOutOfReach(const pcl::PointXYZRGBL& point)
 {
@@ -40,7 +40,7 @@ isOutOfReach(const pcl::PointXYZRGBL& point)
 
 using Range = std::pair<const Member*, const Member*>; // of one voxel
 
-// Of equally near ones the first.
+// At a tie, the first.
 pcl::index_t
 nearestToMean(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, const Range& members)
 {

@@ -9,7 +9,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// value = x 2^e with x in [sqrt(1/2), sqrt(2)), then log(1 + x) around 0
+// value = x 2^e with x in [sqrt(1/2), sqrt(2)), then log(1 + x) near 0
 inline float
 logOf(float value)
 {
@@ -39,7 +39,7 @@ logOf(float value)
 void
 negateLogs(float* values, std::size_t count, float smallest)
 {
-  // Labels depend on the bits: those of the last values are logf's.
+  // Labels depend on exact bits, and the remaining values have those of logf.
   const std::size_t first_of_last = count / 4 * 4;
   for (std::size_t i = 0; i < first_of_last; ++i)
     values[i] = -logOf(values[i] > smallest ? values[i] : smallest);

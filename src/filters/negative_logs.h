@@ -6,8 +6,8 @@
 namespace pcl_semantic {
 
 /** \brief Replaces values by -log(max(value, smallest)), to two units in the last
- * place: Cephes' logf without fused products, so that every platform gives the same
- * bits (Eigen's log fuses them on ARM64 and does not on x86-64).
+ * place. Cephes' logf without fused products, for identical bits on all platforms:
+ * Eigen's log is fused on ARM64 but not on x86-64.
  *
  * \param[in] smallest at least the smallest normal number */
 void negateLogs(float* values, std::size_t count, float smallest);

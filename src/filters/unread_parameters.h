@@ -6,17 +6,17 @@
 
 namespace pcl_semantic {
 
-/** \brief Parameters that have no effect where another one has a value. */
+/** \brief Parameters without effect at a value of another parameter. */
 struct UnreadParameters {
   bool holds;
-  std::string because; ///< the other one: "crf"
-  std::string value;   ///< that it has
+  std::string because; ///< the other parameter: "crf"
+  std::string value;   ///< value of the other parameter
   std::vector<std::string> names;
 };
 
-/** \brief Those of a CRF, by their names in YAML files.
+/** \brief Unread parameters of a CRF, by their names in YAML files.
  * \param[in] model "none" or "unary", "dense", "pn-potts" or "hierarchical"
- * \param[in] cliques as the parameter `cliques` has them */
+ * \param[in] cliques value of the parameter `cliques` */
 inline std::vector<UnreadParameters>
 unreadParametersOfCRF(const std::string& model, const std::string& cliques)
 {

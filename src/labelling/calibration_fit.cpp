@@ -116,8 +116,8 @@ CalibrationOptions::validate() const
 
 namespace {
 
-// What a sample's class scores are linear in, but for the sharpness: a constant, and
-// its two positions on each of the curves.
+// Row of the design matrix: a constant and the two weights on each curve. Class scores
+// are linear in it, plus the sharpness term.
 struct SparseRow {
   std::array<int, 1 + 2 * feature_count> columns{};
   std::array<double, 1 + 2 * feature_count> values{};
@@ -144,8 +144,8 @@ weightOf(const CalibrationSamples& samples, std::size_t i)
   return samples.weights.empty() ? 1.0 : double(samples.weights[i]);
 }
 
-// Of the chosen samples, with a sum of 1: every sequence counts alike, and in it each
-// class as its number of samples to the power of 1 - balance.
+// Weights of the chosen samples, with a sum of 1: equal for every sequence, and within
+// it number of samples to the power of 1 - balance for every class.
 std::vector<double>
 balancedWeights(const CalibrationSamples& samples,
                 const std::vector<std::size_t>& chosen, double balance)
@@ -189,7 +189,7 @@ rowOf(const CalibrationOptions& options, const PointFeatures& features)
 }
 
 // The negative penalised likelihood of a parameter vector: the sharpness, then K values
-// for each column, K the number of fitted classes.
+// per column, where K is the number of fitted classes.
 class Likelihood {
 public:
   Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options)
@@ -283,8 +283,8 @@ public:
   }
 
 private:
-  // Samples go in chunks of one size whatever the number of threads, and their sums are
-  // added in order.
+  // Chunks of a fixed size, added in order, make the sums independent of the number of
+  // threads.
   static constexpr std::size_t chunk = 4096;
 
   double
@@ -331,7 +331,7 @@ private:
   std::vector<SparseRow> rows_;
   std::vector<int> truth_; // 0..K-1
   std::vector<double> weights_;
-  int columns_ = 1; // the constant, then a knot each
+  int columns_ = 1; // the constant, then the knots
   double bias_penalty_, curve_penalty_;
 };
 
@@ -351,7 +351,7 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
   constexpr double tolerance = 1e-6;
   Eigen::VectorXd best =
       minimizeConvex(std::cref(likelihood), start, options.iterations, tolerance);
-  if (best[0] < 0.0) { // a network that is mostly wrong: the best without it
+  if (best[0] < 0.0) { // a mostly wrong network: fit without it
     const auto blind = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
       const double loss = likelihood(x, gradient);
       gradient[0] = 0.0;

@@ -8,13 +8,13 @@
 
 namespace pcl_semantic {
 
-/** \brief The two knots a value lies between, and how near it is to the second. */
+/** \brief The two knots around a value, and its fraction between them. */
 struct CurvePosition {
-  int first = -1; ///< -1: not known, no curve
+  int first = -1; ///< -1: unknown, no curve
   float fraction = 0.0f;
 };
 
-/** \brief Whether there are two or more, and they rise. */
+/** \brief Whether there are at least two knots, and they rise. */
 inline bool
 areKnots(const std::vector<float>& knots)
 {
@@ -44,7 +44,7 @@ clampedLog(const float* distribution, int classes, float* logs)
     logs[l] = std::log(std::max(distribution[l], kMinProbability));
 }
 
-/** \brief Whether each feature of a list of curves or knots comes once, in order. */
+/** \brief Whether each feature of a list of curves or knots occurs once, in order. */
 template <typename Curves>
 bool
 areInOrder(const Curves& curves)

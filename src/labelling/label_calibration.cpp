@@ -14,7 +14,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Of values in logarithms: sums of them, times a logarithm, are finite.
+// Limit of logarithmic values, so that sums and products of them are finite.
 constexpr float max_value = 1e6f;
 
 bool
@@ -52,7 +52,7 @@ requireSeen(const LabelCalibration& calibration)
         " fractions at each knot of every curve, and a usual distance of 0 to 1");
 }
 
-// Works on one column after the other, with room for L values.
+// Processes one column after the other, with a buffer of L values.
 class Calibrator {
 public:
   explicit Calibrator(const LabelCalibration& calibration)
@@ -166,7 +166,7 @@ featureHistogram(Feature feature, const std::vector<float>& knots,
 {
   Eigen::MatrixXd sums =
       Eigen::MatrixXd::Zero(distributions.classes(), Eigen::Index(knots.size()));
-  constexpr Eigen::Index enough = 100000; // pixels; more cost time and tell no more
+  constexpr Eigen::Index enough = 100000; // pixels; more do not change the result
   const Eigen::Index step = 1 + distributions.size() / enough;
   for (Eigen::Index i = 0; i < distributions.size(); i += step) {
     const Label label = distributions.mapLabel(i);
@@ -222,7 +222,7 @@ labelOf(const YamlMap& map, const std::string& key, const std::string& name,
   return label;
 }
 
-// A value at each knot of a curve; \a called in front of a complaint.
+// Reads one value per knot of a curve. \a called is a prefix of the error message.
 Eigen::RowVectorXf
 readValues(const YamlMap& map, const std::string& key, const ClassCurves& curves,
            const std::string& called)
@@ -251,7 +251,7 @@ readClass(const YamlMap& entry, Label label, LabelCalibration& calibration)
   entry.refuseUnknownKeys();
 }
 
-// Curves of zero at the knots of each feature.
+// Zero curves at the knots of each feature.
 std::vector<ClassCurves>
 readKnots(const YamlMap& knots, int classes)
 {
@@ -271,7 +271,7 @@ readKnots(const YamlMap& knots, int classes)
   return curves;
 }
 
-// Histograms of zero but for the classes that are there.
+// Histograms; missing classes are zero.
 void
 readSeen(const YamlMap& file, const LabelSet& label_set, LabelCalibration& calibration)
 {

@@ -7,13 +7,13 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t memory = 10; // steps that are looked back on
+constexpr std::size_t memory = 10; // number of stored steps
 
 struct Step {
-  Eigen::VectorXd move, change; // of the position, of the gradient
+  Eigen::VectorXd move, change; // difference of positions, of gradients
 };
 
-// The inverse Hessian that the last steps suggest, times the gradient.
+// Approximate inverse Hessian of the last steps, times the gradient.
 Eigen::VectorXd
 directionOf(const std::deque<Step>& steps, const Eigen::VectorXd& gradient)
 {
@@ -40,7 +40,7 @@ minimizeConvex(
     const std::function<double(const Eigen::VectorXd&, Eigen::VectorXd&)>& function,
     Eigen::VectorXd position, int iterations, double tolerance)
 {
-  constexpr double decrease = 1e-4; // fraction of what the slope promises
+  constexpr double decrease = 1e-4; // fraction of the decrease predicted by the slope
   Eigen::VectorXd gradient(position.size()), next_gradient(position.size());
   double value = function(position, gradient);
   std::deque<Step> steps;
@@ -58,7 +58,7 @@ minimizeConvex(
       next_value = function(next, next_gradient);
     }
     if (!(next_value < value))
-      break; // as far as rounding lets it go
+      break; // at rounding precision
     Step step{next - position, next_gradient - gradient};
     if (step.move.dot(step.change) > 0.0)
       steps.push_back(std::move(step));

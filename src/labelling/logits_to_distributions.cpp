@@ -14,7 +14,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Where the samples of one axis of the resized image lie in the given one.
+// Source samples and weights of one axis of a resized image.
 struct BilinearAxis {
   BilinearAxis(int from, int to) : first(to), second(to), weight(to)
   {
@@ -32,7 +32,7 @@ struct BilinearAxis {
   std::vector<float> weight; // of second
 };
 
-// One row of the image at a time, so that all channels of it stay in the cache.
+// Converts one image row at a time, so that all of its channels stay in the cache.
 class RowConverter {
 public:
   RowConverter(const cv::Mat& logits, const cv::Size& size,
@@ -74,7 +74,7 @@ private:
     }
   }
 
-  // Relative to the largest of each pixel, so that nothing overflows.
+  // Relative to each pixel's maximum, to avoid overflow.
   void
   exponentiate(float* values, float* largest) const
   {
@@ -137,7 +137,7 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
                                       ", expected up to ", channels.classes);
 }
 
-// Of probabilities none is negative; of logits none is infinite.
+// Logits must be finite; probabilities must also be non-negative.
 void
 checkValues(const cv::Mat& logits, bool are_logits)
 {

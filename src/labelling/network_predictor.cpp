@@ -137,11 +137,10 @@ makeRunner(NetworkEngine engine, std::vector<std::uint8_t> bytes,
 #ifdef PCL_SEMANTIC_ONNX_RUNTIME
   return runWithOnnxRuntime(bytes, network.input_name, network.output_name);
 #else
-  return nullptr; // the constructor has refused it
+  return nullptr; // unreachable: the constructor refuses it
 #endif
 }
 
-// Names for a message.
 std::string
 joined(const std::vector<std::string>& names)
 {
@@ -151,7 +150,7 @@ joined(const std::vector<std::string>& names)
   return text.empty() ? "none" : text;
 }
 
-// The names of the description are in the network.
+// Requires the names of the description in the network.
 void
 requireNames(const OnnxInterface& network, const NetworkDescription& description,
              NetworkEngine engine, const std::string& path)
@@ -167,14 +166,14 @@ requireNames(const OnnxInterface& network, const NetworkDescription& description
                               joined(shown));
   };
   require(description.input_name, "input", inputs, inputs);
-  // OpenCV also gives what lies inside.
+  // OpenCV can also return inner tensors.
   require(description.output_name, "output",
           engine == NetworkEngine::opencv ? network.inner : network.outputs,
           network.outputs);
 }
 
-// Many a network takes images of another size than it was exported with; of one that
-// fails this is the likely cause. Empty if it is the size of the description.
+// Hint for networks run at another size than their export size, a likely cause of
+// failure. Empty if the size is the description's.
 std::string
 otherSize(const OnnxInterface& network, const NetworkDescription& description)
 {
@@ -192,8 +191,8 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
   return "";
 }
 
-/** \brief Returns the result of \a body; exceptions of the engine and of its libraries
- * (Protocol Buffers, say) as EngineError or std::bad_alloc. */
+/** \brief Returns the result of \a body. Converts exceptions of the engine and its
+ * libraries (for example Protocol Buffers) to EngineError or std::bad_alloc. */
 template <typename Body>
 auto
 withOpenCv(Body&& body)
@@ -210,7 +209,7 @@ withOpenCv(Body&& body)
   catch (const std::bad_alloc&) {
     throw;
   }
-  catch (const std::exception& error) { // std::length_error of a nonsensical size
+  catch (const std::exception& error) { // std::length_error of an invalid size
     throw EngineError(error.what());
   }
 }
@@ -235,7 +234,7 @@ makeInput(const cv::Mat& image, const NetworkDescription& description)
   return input;
 }
 
-// The answer as channels x height x width.
+// Reshapes the output to channels x height x width.
 cv::Mat
 checkOutput(const cv::Mat& output, const NetworkDescription& description, int frame)
 {

@@ -9,24 +9,24 @@
 
 namespace pcl_semantic {
 
-/** \brief Error of an engine that cannot load or run a network, in one line. */
+/** \brief Error of an engine that cannot load or run a network, as one line. */
 class EngineError : public std::runtime_error {
 public:
-  /** \param[in] text of which the first line is taken, or the beginning of it */
+  /** \param[in] text only its first line is used, or a part of it */
   explicit EngineError(const std::string& text)
       : std::runtime_error(
             text.substr(0, std::min<std::size_t>(text.find_first_of("\r\n"), 300)))
   {}
 };
 
-/** \brief A network that an engine has loaded. */
+/** \brief A network loaded by an engine. */
 class NetworkRunner {
 public:
   virtual ~NetworkRunner() = default;
 
   /** \param[in] input N x 3 x H x W, float
-   * \return the output, an image of its own
-   * \throws EngineError, std::bad_alloc, or what OpenCV throws */
+   * \return the output, an image with its own memory
+   * \throws EngineError, std::bad_alloc, or exceptions of OpenCV */
   virtual cv::Mat run(const cv::Mat& input) = 0;
 };
 

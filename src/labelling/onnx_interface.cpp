@@ -47,7 +47,7 @@ constexpr std::uint32_t name = 1, type = 2, tensor = 1, shape = 2, dimension = 1
                         value = 1;
 }
 
-// How the elements of a tensor are stored if not as raw bytes.
+// Storage of a tensor's elements, if not as raw bytes.
 struct ElementType {
   std::uint64_t type;
   std::uint64_t size; // in raw_data [bytes]
@@ -68,7 +68,7 @@ struct Tensor {
   std::vector<std::uint64_t> dims;
   std::uint64_t type = 0;
   std::uint64_t raw_bytes = 0;
-  std::uint32_t typed_field = 0; // the field that holds the elements, if not raw
+  std::uint32_t typed_field = 0; // the field of the elements, if not raw
   std::uint64_t typed_elements = 0;
 };
 
@@ -108,7 +108,7 @@ private:
     refuseContent("is no ONNX file, or damaged: ", why...);
   }
 
-  // A number at the beginning of the bytes, which it is cut off from.
+  // Reads a number and removes it from the beginning of the bytes.
   std::uint64_t
   readVarint(std::string_view& bytes) const
   {
@@ -125,7 +125,7 @@ private:
     refuse("a number is cut off");
   }
 
-  // The same with a field of a message. \return false at its end
+  // Reads a field and removes it from the message. \return false at its end
   bool
   next(std::string_view& message, Field& field) const
   {
@@ -209,7 +209,7 @@ private:
         checkAttribute(messageOf(field));
   }
 
-  // Repeated numbers come one a field, or packed into one.
+  // Repeated numbers have one field each, or share a packed field.
   template <typename Visit>
   void
   forEachNumber(const Field& field, const Visit& visit) const
@@ -220,8 +220,8 @@ private:
       visit(readVarint(packed));
   }
 
-  // A TensorProto has exactly the data that its dimensions state, in the file itself
-  // and of a type that OpenCV reads.
+  // Requires the amount of data that the dimensions of a TensorProto state, stored in
+  // this file and of a type that OpenCV reads.
   Tensor
   checkTensor(std::string_view message) const
   {
@@ -319,7 +319,7 @@ private:
         checkTensor(messageOf(field));
         single_tensors += field.number == attribute_field::tensor;
       }
-    if (single_tensors > 1) // they would be merged into one, dimensions and all
+    if (single_tensors > 1) // OpenCV would merge them, including their dimensions
       refuseContent("has an attribute with two values");
   }
 
@@ -331,8 +331,7 @@ private:
     for (Field field; next(value, field);)
       if (field.number == value_field::name)
         input.name = messageOf(field);
-    // The type holds the tensor's, that a shape, that dimensions, each a number or a
-    // word.
+    // Nesting: type, tensor, shape, dimensions. A dimension is a number or a name.
     for (const std::uint32_t number : {value_field::type, value_field::tensor,
                                        value_field::shape, value_field::dimension})
       messages = messagesWithin(messages, number);

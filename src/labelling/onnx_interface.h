@@ -7,23 +7,23 @@
 
 namespace pcl_semantic {
 
-/** \brief The inputs of a network, and all tensors that can be its outputs. */
+/** \brief The inputs of a network, and all tensors that can be outputs. */
 struct OnnxInterface {
   struct Input {
     std::string name;
     std::vector<std::int64_t> size; ///< batch, channels, rows, columns; -1 = any
   };
 
-  std::vector<Input> inputs;        ///< without those that are weights
+  std::vector<Input> inputs;        ///< without weights
   std::vector<std::string> outputs; ///< of the network
-  std::vector<std::string> inner;   ///< of all nodes, these outputs too
+  std::vector<std::string> inner;   ///< of all nodes, including the outputs
 };
 
-/** \brief Reads the interface of an ONNX file, and refuses what would not be noticed
- * later: a file that is cut off or none of ONNX, and tensors whose data are elsewhere,
- * or not as many as their dimensions state, of which OpenCV 4.6 reads what lies behind.
+/** \brief Reads the interface of an ONNX file. Refuses faults without an error later: a
+ * truncated file, a file of another format, and tensors with external data or too
+ * little data, where OpenCV 4.6 reads out of bounds.
  *
- * It is no check of the operators: OpenCV 4.6 trusts their attributes and operands, and
+ * It does not check the operators. OpenCV 4.6 trusts their attributes and operands, and
  * some damaged networks end the program that loads them.
  *
  * \param[in] bytes content of the file

@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Whether memory was lacking, of which there is no code.
+// Whether memory was insufficient; ONNX Runtime has no error code for this.
 bool
 lacksMemory(const std::string& error)
 {
@@ -24,7 +24,7 @@ lacksMemory(const std::string& error)
          error.find("Failed to allocate memory") != std::string::npos;
 }
 
-// What \a body returns; ONNX Runtime's exceptions as ours.
+// Returns the result of \a body; converts exceptions of ONNX Runtime.
 template <typename Body>
 auto
 withOnnxRuntime(Body&& body)
@@ -39,11 +39,11 @@ withOnnxRuntime(Body&& body)
   }
 }
 
-// One for all networks of the process, as ONNX Runtime wants it.
+// ONNX Runtime requires one environment per process.
 Ort::Env&
 environment()
 {
-  static Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "pcl_semantic"); // it throws as well
+  static Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "pcl_semantic"); // may throw too
   return env;
 }
 
@@ -52,15 +52,16 @@ sessionOptions()
 {
   Ort::SessionOptions options;
   options.SetIntraOpNumThreads(omp_get_max_threads());
-  // Its threads do not keep a processor from ours while they wait for work.
+  // Waiting threads of ONNX Runtime must not block processors for the library's
+  // threads.
   options.AddConfigEntry("session.intra_op.allow_spinning", "0");
-  // Not its own format either, which nobody has checked.
+  // ONNX Runtime's own format is not checked by readOnnxInterface().
   options.AddConfigEntry("session.load_model_format", "ONNX");
   return options;
 }
 
-// Debian's ONNX Runtime 1.21 tells std::cerr of each of 500 operations, with the first
-// network of a process, that it is registered twice. What is wrong it throws.
+// With the first network of a process, Debian's ONNX Runtime 1.21 prints to std::cerr
+// that each of 500 operations is registered twice. Real errors are thrown.
 class QuietErrors {
 public:
   QuietErrors() : buffer_(std::cerr.rdbuf(nullptr)) {}

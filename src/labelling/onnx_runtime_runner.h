@@ -10,8 +10,8 @@
 
 namespace pcl_semantic {
 
-/** \brief A network in ONNX Runtime, which computes it by as many threads as are set
- * now. Only there if the library is built with it (PCL_SEMANTIC_ONNX_RUNTIME).
+/** \brief Loads a network into ONNX Runtime, which uses the number of threads set at
+ * this moment. Only available if the library is built with PCL_SEMANTIC_ONNX_RUNTIME.
  * \param[in] bytes content of the ONNX file
  * \param[in] input, output their names in it
  * \throws EngineError, std::bad_alloc */

@@ -26,7 +26,8 @@ public:
     catch (const cv::Exception& error) {
       if (error.code == cv::Error::StsNoMem)
         throw;
-      // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
+      // OpenCV 4.10 fuses layers of some networks (ESPNetv2) into layers that do not
+      // fit.
       load();
       net_.enableFusion(false);
       return forward(input);

@@ -10,10 +10,10 @@
 
 namespace pcl_semantic {
 
-/** \brief A network in OpenCV's module dnn.
+/** \brief Loads a network into OpenCV's dnn module.
  * \param[in] bytes content of the ONNX file
  * \param[in] input, output their names in it
- * \throws cv::Exception, std::logic_error of a nonsensical size */
+ * \throws cv::Exception, std::logic_error at an invalid size */
 std::unique_ptr<NetworkRunner> runWithOpenCv(std::vector<std::uint8_t> bytes,
                                              const std::string& input,
                                              const std::string& output);

@@ -13,12 +13,12 @@ namespace pcl_semantic {
 
 namespace {
 
-// Nearer returns mean nothing this close to the camera [m].
+// Nearer returns are unusable [m].
 constexpr double near_plane = 0.1;
 
 constexpr float no_return = std::numeric_limits<float>::infinity();
 
-// Camera z of the nearest return of each pixel.
+// Camera z of the nearest return per pixel.
 cv::Mat1f
 nearestDepths(const std::vector<SeenPoint>& projected, const StereoCamera& camera)
 {

@@ -94,7 +94,7 @@ CalibrationSequence::makePoses() const
 
 namespace {
 
-// Columns of the pixels that have ground truth.
+// Appends the pixels with ground truth.
 void
 appendSamples(const cv::Mat& truth, const LabelDistributions& network,
               const std::vector<PointFeatures>& features, CalibrationSamples& samples)
@@ -181,8 +181,8 @@ namespace {
 
 using Histograms = std::vector<Eigen::MatrixXf>;
 
-// The mean of what the sequences show, but for those left out: frames count alike in
-// their sequence, and sequences do.
+// Mean histograms of all sequences but the excluded ones: frames have equal weights in
+// their sequence, and sequences in the mean.
 Histograms
 meanHistograms(const std::vector<CalibrationSamples>& sequences,
                const std::set<std::size_t>& left_out)
@@ -204,7 +204,7 @@ meanHistograms(const std::vector<CalibrationSamples>& sequences,
   return mean;
 }
 
-// Of a sequence's frames from the others', the median.
+// Median distance of a sequence's frames from the other sequences.
 double
 distanceFromOthers(const std::vector<CalibrationSamples>& sequences, std::size_t of,
                    std::size_t left_out)
@@ -281,8 +281,7 @@ cliquesOfVoxels(const std::vector<pcl::PointIndices>& cliques, std::size_t voxel
   return numbers;
 }
 
-// The voxels that each pixel of ground truth meets, at its own depth and as the map is
-// seen.
+// Voxels of each ground truth pixel, by its measured depth and by the rendered map.
 std::vector<std::pair<Label, std::int32_t>>
 voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
                 const cv::Mat& truth, double max_depth)
@@ -300,7 +299,7 @@ voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
     if (label == kUnlabelled)
       continue;
     const pcl::PointXYZRGB& point = (*mapped.cloud)[i];
-    if (point.z <= max_depth) // not if it is NaN
+    if (point.z <= max_depth) // false for NaN
       add(label,
           lookup.at(mapped.T_world_camera * point.getVector3fMap().cast<double>()));
     add(label, seen.indices.at<std::int32_t>(int(i)));
@@ -308,7 +307,7 @@ voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
   return voxels;
 }
 
-// A sample for each class that a clique's pixels have, with their number.
+// Appends one sample per class of a clique's pixels, weighted by their number.
 void
 append(const CliqueEvidence& evidence,
        const std::vector<std::pair<Label, std::int32_t>>& truth,
@@ -350,7 +349,7 @@ cliqueSamples(const CalibrationSequence& sequence, const MapperConfig& config,
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
     const MappedFrame mapped = mapper.process(sequence.frames()[i]);
     map_cliques.setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
-    const auto cliques = map_cliques.group(mapped.voxels); // keeps superpixels, too
+    const auto cliques = map_cliques.group(mapped.voxels); // also updates superpixels
     if (!sequence.truth(i).empty())
       append(map_cliques.evidence(mapped.voxels, cliques),
              voxelsWithTruth(mapped, sequence.camera(), sequence.truth(i),

@@ -19,13 +19,13 @@ namespace pcl_semantic {
 
 namespace {
 
-// What a folder needs to be written: options, or a camera.
+// Requirements of a folder: options, or a camera.
 namespace need {
 constexpr unsigned measured = 1, depth = 2, probabilities = 4, scans = 8;
 constexpr unsigned within = 16, camera = 32;
 } // namespace need
 
-// Those of "final_..." are written when the map is finished, the others at each frame.
+// Folders "final_..." are written for the finished map, the others at each frame.
 struct Folder {
   const char* name;
   unsigned needs;
@@ -176,7 +176,7 @@ ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& indices,
                     labelsAt(indices, labels.measured));
 }
 
-// As labelsAtDepth() does for the map as its readers see it.
+// Like labelsAtDepth(), for the map in its exported form.
 cv::Mat
 ExtraOutput::indicesAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
 {

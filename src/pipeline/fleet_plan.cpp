@@ -14,7 +14,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// The options of a drive, of all drives or its own.
+// Sets the options of one drive, or of all drives.
 void
 setOptions(const YamlMap& map, const std::set<std::string>& other_keys,
            const std::filesystem::path& folder, FleetDrive& drive)
@@ -44,7 +44,7 @@ setOptions(const YamlMap& map, const std::set<std::string>& other_keys,
   setParameters(map, options);
 }
 
-// Letters, digits, and what does not lead out of a folder.
+// Letters, digits and safe punctuation: the name must not leave its folder.
 bool
 isFolderName(const std::string& name)
 {

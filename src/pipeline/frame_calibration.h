@@ -12,8 +12,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The ground before a camera, as a frame's depths and labels show it: the plane
- * of fitGroundPlane() through points of more than 0.5 in one of its classes.
+/** \brief Fits the ground before a camera to a frame's depths and labels: the plane of
+ * fitGroundPlane() through points with a probability above 0.5 for a ground class.
  * \param[in] cloud organized, camera frame [m]
  * \param[in] distributions L x cloud.size()
  * \param[in] ground the classes of the ground
@@ -22,8 +22,8 @@ std::optional<Eigen::Hyperplane<double, 3>>
 frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
             const LabelDistributions& distributions, const std::vector<Label>& ground);
 
-/** \brief The features of a frame's points: their colour, and where they are above the
- * ground that its own depths and labels show, if they show one.
+/** \brief Computes the features of a frame's points: colour, and position relative to
+ * frameGround(), if it is found.
  * \param[in] cloud organized, camera frame [m]
  * \param[in] distributions L x cloud.size()
  * \param[in] ground the classes of the ground

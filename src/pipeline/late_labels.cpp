@@ -15,20 +15,20 @@ LateLabels::LateLabels(std::unique_ptr<LabelPredictor> predictor,
     : predictor_(std::move(predictor)), mapper_(mapper)
 {}
 
-LateLabels::~LateLabels() = default; // a future of std::async waits
+LateLabels::~LateLabels() = default; // the future of std::async waits
 
 void
 LateLabels::offer(const MappedFrame& mapped)
 {
   if (frame_)
     return;
-  frame_.emplace(); // what addLabels() asks for, without all else
+  frame_.emplace(); // only the members that addLabels() needs
   frame_->cloud = mapped.cloud;
   frame_->T_world_camera = mapped.T_world_camera;
   labels_ = std::async(std::launch::async,
                        [this, image = mapped.image, frame = mapped.frame.number,
                         threads = omp_get_max_threads()] {
-                         const ThreadScope scope(threads); // a thread begins with all
+                         const ThreadScope scope(threads); // new threads default to all
                          return predictor_->predict(image, frame);
                        });
 }

@@ -17,8 +17,8 @@ namespace pcl_semantic {
 
 namespace {
 
-// Voxels that are likelier than this of the classes that clique_exclude names are in
-// no clique (doc/calibration.md).
+// Voxels with a higher probability of the classes in clique_exclude join no clique
+// (doc/calibration.md).
 constexpr float kExcludeThreshold = 0.3f;
 
 // Zero if no member has a measurement.
@@ -52,7 +52,7 @@ levelOf(const Eigen::Matrix3Xd& positions, double voxel_size, const Eigen::Vecto
   const Eigen::Matrix3d scatter =
       centred * centred.transpose() / double(positions.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-  const double across = 0.25 * voxel_size; // of less, a line
+  const double across = 0.25 * voxel_size; // narrower sets are lines
   if (solver.eigenvalues()[1] < across * across)
     return unknown;
   return float(std::abs(solver.eigenvectors().col(0).dot(up)));

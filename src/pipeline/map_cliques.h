@@ -17,33 +17,35 @@
 
 namespace pcl_semantic {
 
-/** \brief Where a camera was, and the ground before it. */
+/** \brief Pose of a camera, and the ground before it. */
 struct GroundView {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  /// Camera frame [m], normal towards the camera; nothing: no ground was found.
+  /// Camera frame [m], normal towards the camera; none if no ground was found.
   std::optional<Eigen::Hyperplane<double, 3>> ground;
 };
 
-/** \brief Evidence about cliques, a column or an entry each, in the form that a
- * LabelCalibration takes. */
+/** \brief Evidence about cliques, one column or entry per clique, as input of a
+ * LabelCalibration. */
 struct CliqueEvidence {
   /// Geometric means of the members' measurements, each clamped at kMinProbability;
-  /// zero for cliques whose members have none.
+  /// zero for cliques without measurements.
   LabelDistributions distributions;
-  /// Of the members' mean position, height, distance and side; levelness of their best
-  /// plane, not known of fewer than three or of those in a line; lowest and extent; all
-  /// unknown without a ground. The mean colour is always known.
+  /// Position features are computed at the members' mean, plus their lowest point and
+  /// extent. Levelness is that of their best plane; unknown for fewer than three
+  /// members or members on a line. All position features are unknown without a ground.
+  /// The mean colour is always known.
   std::vector<PointFeatures> features;
 };
 
-/** \brief Looks at cliques of voxels; the same for any number of threads.
+/** \brief Computes evidence about cliques of voxels; the same for any number of
+ * threads.
  * \param[in] cliques positions in \a voxels, none of them empty */
 CliqueEvidence cliqueEvidence(const VoxelCloud& voxels,
                               const std::vector<pcl::PointIndices>& cliques,
                               const GroundView& view);
 
-/** \brief The cliques of a map's voxels as a MapperConfig has them, and what a
- * calibration says of each. */
+/** \brief Makes the cliques of a map's voxels according to a MapperConfig, and their
+ * costs by a calibration. */
 class MapCliques {
 public:
   /** \brief A clique list, and psi_c(l) of eq. (7). */
@@ -52,34 +54,34 @@ public:
     Eigen::MatrixXf costs; ///< L x C; empty without a calibration
   };
 
-  /** \throws InvalidParameterException at cliques that cannot be, or a class to leave
-   * out that is not in the label set */
+  /** \throws InvalidParameterException at invalid cliques, or an excluded class that is
+   * not in the label set */
   MapCliques(const MapperConfig& config, const LabelSet& label_set);
 
-  /** \brief Sets the calibration of cliques, as tryCalibration() learns it from
-   * cliqueSamples(). \throws InvalidParameterException if it is not one of the label
-   * set's classes */
+  /** \brief Sets the calibration of cliques, learned by tryCalibration() from
+   * cliqueSamples().
+   * \throws InvalidParameterException unless it has the label set's classes */
   void setCalibration(LabelCalibration calibration);
 
-  /** \brief The classes that the ground is made of; setCalibration() brings its own. */
+  /** \brief Sets the ground classes; setCalibration() replaces them. */
   void
   setGround(std::vector<Label> ground)
   {
     ground_ = std::move(ground);
   }
 
-  /** \brief The frame that the next voxels are seen in.
+  /** \brief Sets the frame of the next voxels.
    * \param[in] cloud organized, camera frame [m]; not copied
-   * \param[in] network L x cloud.size(), finds the ground
+   * \param[in] network L x cloud.size(), to find the ground
    * \param[in] T_world_camera its pose */
   void setFrame(const pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr& cloud,
                 const LabelDistributions& network,
                 const Eigen::Isometry3d& T_world_camera);
 
-  /** \brief Groups voxels, less those of classes to leave out. */
+  /** \brief Groups voxels, except those of excluded classes. */
   std::vector<pcl::PointIndices> group(const VoxelCloud& voxels);
 
-  /** \brief Evidence about cliques of these voxels in the last frame. */
+  /** \brief Computes evidence about cliques of these voxels in the last frame. */
   CliqueEvidence
   evidence(const VoxelCloud& voxels,
            const std::vector<pcl::PointIndices>& cliques) const
@@ -87,12 +89,12 @@ public:
     return cliqueEvidence(voxels, cliques, view_);
   }
 
-  /** \brief group(), and the costs -log p' of each clique's classes. */
+  /** \brief Calls group(), and computes the costs -log p' of each clique's classes. */
   Result generate(const VoxelCloud& voxels);
 
 private:
   CliqueGenerator::Ptr generator_;
-  std::shared_ptr<SuperpixelCliques> superpixels_; // generator_, if it is some
+  std::shared_ptr<SuperpixelCliques> superpixels_; // generator_, if of superpixels
   std::vector<Label> left_out_;
   std::optional<LabelCalibration> calibration_;
   std::vector<Label> ground_;

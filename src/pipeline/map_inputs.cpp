@@ -37,7 +37,7 @@ requireLabels(const MapInputs& inputs)
            "--label-set is for --labels; the description of a network names its own");
 }
 
-// Other sources of poses are those of stereo sequences.
+// Only stereo sequences have other sources of poses.
 void
 requireTrajectory(const MapInputs& inputs, const std::string& option)
 {
@@ -78,7 +78,7 @@ requireRgbd(const MapInputs& inputs)
   requireLabels(inputs);
 }
 
-// Options without effect on this kind of frames, or without another option.
+// Options without effect for this kind of frames, or without another option.
 std::vector<UnreadOptions>
 unreadOptions(const MapInputs& inputs, const MapperConfig& config)
 {

@@ -20,7 +20,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// The words of `also` as a value that is no path.
+// The words of `also` in a form that is not taken for a path.
 std::string
 wordsIn(const std::string& also)
 {
@@ -34,11 +34,11 @@ wordsIn(const std::string& also)
   return text.empty() ? text : text + "]";
 }
 
-// The content of an archive that exists.
+// The content of an existing archive.
 struct MadeMap {
   std::vector<FrameRecord> frames;
   bool is_finished = false;
-  std::string fault; // why it is not of its run, or cannot be read
+  std::string fault; // reason why it is of another run, or unreadable
 };
 
 MadeMap
@@ -117,7 +117,7 @@ MapRun::doubtMapping()
     doubt(lacking);
 }
 
-// Poses that jump are those of other frames, or not in metres.
+// Warns of jumps: poses of other frames, or not in metres.
 void
 MapRun::doubtDistance(const MappedFrame& mapped)
 {
@@ -146,7 +146,7 @@ MapRun::doubtTracking()
         " frames could not be tracked: their poses are predicted");
 }
 
-// Of the frames whose labels are used (network_every).
+// Checks the frames whose labels are used (network_every).
 void
 MapRun::requireLabels() const
 {
@@ -191,8 +191,8 @@ MapRun::setExtras()
     badParameter("--also measured of clouds without a camera needs scans, too");
 }
 
-// The difference between a frame that was mapped and that frame now. Of a network, its
-// files are compared, not its labels.
+// Difference between a mapped frame and the same frame now. For a network, its files
+// are compared, not its labels.
 std::string
 MapRun::changeOf(std::size_t i, const FrameRecord& mapped)
 {
@@ -218,12 +218,12 @@ MapRun::changeOf(std::size_t i, const FrameRecord& mapped)
     return name;
   if (differ(mapped.digest.labels, now.labels))
     return "labels of " + name;
-  // NaN: not known
+  // NaN: unknown
   const double time = inputs_.source->frames()[i].timestamp;
   return mapped.timestamp < time || mapped.timestamp > time ? "time of " + name : "";
 }
 
-// The first difference between the frames that are mapped and those frames now.
+// First difference between the mapped frames and the same frames now.
 std::string
 MapRun::changeSince(const std::vector<FrameRecord>& mapped)
 {
@@ -242,7 +242,7 @@ MapRun::isMade()
   const std::string& path = outputs_.archive.path;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    removeArchive(path); // a log without its file
+    removeArchive(path); // removes a log without archive
     return false;
   }
   MadeMap made = readMadeMap(path, run_);

@@ -29,7 +29,7 @@ mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
   OpenedInputs inputs;
   inputs.poses = openPoses(sequence, doubts);
   const auto borrowed = std::shared_ptr<const FrameSequence>(
-      std::shared_ptr<void>(), &sequence); // the caller owns it
+      std::shared_ptr<void>(), &sequence); // owned by the caller
   inputs.source = std::make_unique<RecordedFrames>(borrowed, FrameRange());
   inputs.label_set = label_set;
   inputs.predictor = std::move(predictor);

@@ -26,7 +26,7 @@ MapperConfig::validate()
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
   SlicParameters slic;
-  if (parseSlic(cliques, slic)) // is for organized clouds
+  if (parseSlic(cliques, slic)) // superpixels need organized clouds
     badParameter("cliques are '", cliques,
                  "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);

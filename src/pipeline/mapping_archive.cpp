@@ -41,7 +41,7 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
     fail<OutputException>(options_.path, ": is there already: go on with it by "
                                          "--resume, or remove it");
   if (is_there) {
-    // Before it is touched.
+    // Before the archive is opened for writing.
     requireSameRun(MapArchive(options_.path, ArchiveAccess::read), run);
     archive_ = std::make_shared<MapArchive>(options_.path, ArchiveAccess::write);
     archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
@@ -63,7 +63,7 @@ MappingArchive::~MappingArchive()
   try {
     close();
   }
-  catch (const std::exception&) { // what failed was reported where it did
+  catch (const std::exception&) { // already reported
   }
   archive_.reset();
   try {
@@ -71,7 +71,7 @@ MappingArchive::~MappingArchive()
     for (const char* const ending : {"", "-wal", "-shm"})
       std::filesystem::remove(options_.path + ending, ignored);
   }
-  catch (const std::bad_alloc&) { // they stay
+  catch (const std::bad_alloc&) { // the files stay
   }
 }
 
@@ -100,8 +100,8 @@ MappingArchive::add(const SensorFrame& frame, const MappedFrame& mapped,
   record.digest = digestOf(frame, mapped.network);
   archive_->putFrame(mapped.frame.number, encodeFrameRecord(record));
   added_frame_ = mapped.frame.number;
-  // The last frame is committed by finish(), with what the CRF makes of it: a run that
-  // goes on has to have a frame to go on with.
+  // finish() commits the last frame together with its CRF result. Until then, a resumed
+  // run needs a frame to continue with.
   if (++since_commit_ >= options_.every && added_frame_ != last_frame_)
     commit(mapper, false);
 }
@@ -111,7 +111,7 @@ MappingArchive::finish(SemanticMapper& mapper)
 {
   const bool is_live = last_frame_ < 0;
   const bool finished = is_live ? added_frame_ >= 0 : added_frame_ == last_frame_;
-  // What finish() does would not happen here if the run had not been interrupted.
+  // An uninterrupted run would not call mapper.finish() here, so commit before it.
   if (archive_ && !finished && since_commit_ > 0)
     commit(mapper, false);
   mapper.finish();

@@ -33,7 +33,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Value below which a fraction of the sorted values lies.
+// Quantile of the values.
 double
 quantile(std::vector<double> values, double fraction)
 {
@@ -102,7 +102,7 @@ MappingOutput::names()
   return RunFolder::names();
 }
 
-// Images of a user must not be mixed with ours, nor be removed with them.
+// Images of a user must not be mixed with the output, nor removed with it.
 void
 MappingOutput::refuseForeignImages() const
 {
@@ -117,8 +117,8 @@ MappingOutput::refuseForeignImages() const
                             "it: not a map; choose another folder");
 }
 
-// Frames of two runs must not lie in one folder: a summary that says so marks it until
-// the map is finished.
+// Frames of two runs must not share a folder: an unfinished summary marks it until the
+// map is complete.
 void
 MappingOutput::replaceEarlierRun()
 {
@@ -187,7 +187,7 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
   makeOutputFolder(live);
   VoxelCloud voxels = mapped.voxels;
   if (centres_) {
-    voxels.cloud = voxels.cloud->makeShared(); // the frame keeps its points
+    voxels.cloud = voxels.cloud->makeShared(); // keeps the points of the frame
     voxels.moveToCentres();
   }
   writeVoxelCloud(live + "map.pcd", voxels, run_.label_set, VoxelColour::measured);
@@ -240,8 +240,8 @@ MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
   }
 }
 
-// Row n belongs to frame n, as in KITTI's files: a frame that was not mapped takes the
-// pose of the last one before it that was.
+// Row n is the pose of frame n, as in KITTI's files. A skipped frame gets the pose of
+// the last mapped one before it.
 Trajectory
 MappingOutput::trajectory() const
 {
@@ -261,7 +261,7 @@ MappingOutput::domainShift() const
 {
   std::vector<double> shifts;
   for (const FrameRecord& frame : frames_)
-    if (frame.domain_shift >= 0.0) // not NaN
+    if (frame.domain_shift >= 0.0) // false for NaN
       shifts.push_back(frame.domain_shift);
   return shifts.empty() ? std::numeric_limits<double>::quiet_NaN()
                         : quantile(shifts, 0.5);
@@ -294,7 +294,7 @@ MappingOutput::writeSummary(const VoxelCloud& voxels, bool is_whole) const
   summary["voxels"] = voxels.size();
   summary["voxel_size"] = voxels.voxel_size;
   summary["map_origin"] = toJson(voxels.origin);
-  if (const double shift = domainShift(); shift >= 0.0) // not NaN
+  if (const double shift = domainShift(); shift >= 0.0) // false for NaN
     summary["domain_shift"] = shift;
   for (const auto& [stage, all] : seconds)
     summary["seconds"][stage] = {{"median", quantile(all, 0.5)},

@@ -40,7 +40,7 @@ append(std::vector<T>& values, const std::vector<T>& more)
   values.insert(values.end(), more.begin(), more.end());
 }
 
-// The label set and the predictor of images: --network or --labels.
+// Opens the label set and the predictor of images: --network or --labels.
 NamedValues
 openLabels(const MapInputs& inputs, const MapperConfig& config,
            const InputOpeners& openers, OpenedInputs& opened)
@@ -73,7 +73,7 @@ openLabels(const MapInputs& inputs, const MapperConfig& config,
           {"engine", engine}};
 }
 
-// Path of a trajectory, or "odometry".
+// Returns the path of a trajectory, or "odometry".
 std::string
 choosePoses(const MapInputs& inputs, const FrameSequence& sequence)
 {
@@ -151,7 +151,7 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
   const NamedValues labels = openLabels(inputs, config, openers, opened);
   const std::string poses = inputs.poses == "auto" ? "odometry" : inputs.poses;
   std::optional<StoredTrajectory> trajectory;
-  if (poses != "odometry") // before it waits for the first pair
+  if (poses != "odometry") // checks it before waiting for the first pair
     trajectory = readTrajectory(poses, PoseFrame::first_camera);
   opened.source = openers.live(inputs.sequence);
   if (trajectory) {
@@ -193,7 +193,7 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
   opened.poses = readSensorPoses(inputs.poses, PoseFrame::camera, &opened.doubts);
 }
 
-// Labelled clouds of a scanner, or of a camera.
+// Opens labelled clouds of a scanner or a camera.
 class CloudOpener {
 public:
   CloudOpener(const MapInputs& inputs, const MapperConfig& config, OpenedInputs& opened)
@@ -252,8 +252,7 @@ private:
                              parseScanColumns(inputs_.scan_columns, path));
   }
 
-  // The first cloud that has labels decides for the others; the reader warns of those
-  // that differ.
+  // Checks the first cloud with labels; the reader warns if others differ.
   void
   refuseOptionsOfLabels() const
   {
@@ -295,7 +294,7 @@ private:
     return {pair.camera, pair.T_camera0_camera};
   }
 
-  // Its size is that of the camera's images. Clouds without points have none.
+  // First non-empty cloud: it has the size of the camera's images.
   SizedFile
   firstCloud() const
   {
@@ -312,7 +311,7 @@ private:
     badInput(inputs_.clouds, ": no cloud has a point");
   }
 
-  // The clouds themselves.
+  // Uses the clouds as scans.
   ScanReader
   scans() const
   {
@@ -347,7 +346,7 @@ private:
   OpenedInputs& opened_;
   ScanColumns columns_;
   std::shared_ptr<const CloudSequence> clouds_;
-  std::vector<std::size_t> positions_; // in clouds_, of the frames
+  std::vector<std::size_t> positions_; // of the frames in clouds_
   std::vector<FrameTime> frames_;
 };
 

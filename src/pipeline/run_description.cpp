@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// FNV-1a: tells what was changed by mistake, not what was forged.
+// FNV-1a: detects accidental changes, not forgery.
 std::uint64_t
 digestOf(const std::vector<std::uint8_t>& bytes)
 {
@@ -46,7 +46,7 @@ describeInput(const std::string& value)
   return text.str();
 }
 
-// The shortest text that tells a number from any other.
+// Returns the shortest text that identifies a number.
 std::string
 exactText(double number)
 {
@@ -110,7 +110,7 @@ std::string
 describeRun(const MappingRun& run)
 {
   TextStream text;
-  // Others round in another way.
+  // Other versions may round differently.
   text << "version: " << PCL_SEMANTIC_VERSION << ", OpenCV " << CV_VERSION << "\n";
   for (const auto& [name, value] : run.inputs)
     text << name << ": " << describeInput(value) << "\n";

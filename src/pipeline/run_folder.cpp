@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Null if there is none of ours.
+// Null unless it is the summary of a run.
 nlohmann::json
 summaryAt(const std::string& path)
 {
-  std::error_code error; // then writing there fails
+  std::error_code error; // a later write reports the error
   if (!fs::exists(path, error))
     return {};
   const std::vector<std::uint8_t> bytes = readBytes(path);
@@ -44,7 +44,8 @@ isFinished(const nlohmann::json& summary)
          finished->get<bool>();
 }
 
-// Says that we have made the folder `previous`, and may remove it. Links are not ours.
+// Marker file of a folder `previous` made by a run, which a run may remove. Links never
+// count.
 std::string
 markOf(const std::string& previous)
 {
@@ -59,7 +60,7 @@ isOurs(const std::string& previous)
          fs::exists(markOf(previous), error);
 }
 
-// What a run has left, but for files of the kept frames.
+// Removes the output of a run, except files of the kept frames.
 void
 removeFrames(const std::string& folder, const std::vector<int>& kept)
 {
@@ -75,7 +76,7 @@ removeFrames(const std::string& folder, const std::vector<int>& kept)
   ExtraOutput::removeEarlier(folder, kept);
 }
 
-// Folders that hold something else stay.
+// Removes empty folders only.
 void
 removeEmpty(const std::string& folder, const std::vector<std::string>& names)
 {
@@ -103,7 +104,7 @@ removePrevious(const std::string& folder)
   removeEmpty(previous, RunFolder::names());
   std::error_code error;
   fs::remove(markOf(previous), error);
-  fs::remove(previous, error); // unless it holds something else
+  fs::remove(previous, error); // fails if the folder contains other files
 }
 
 void
@@ -131,8 +132,8 @@ moveIfThere(const std::string& from, const std::string& to)
     fail<OutputException>(from, ": cannot be moved to ", to, ": ", error.message());
 }
 
-// File by file, the summary last: killed, it goes on where it was, and what others have
-// put there stays.
+// Moves file by file, the summary last, so that a killed run can be resumed. Other
+// files stay.
 void
 setAside(const std::string& folder)
 {
@@ -170,7 +171,7 @@ RunFolder::names()
     std::vector<std::string> all = imageFolders();
     all.insert(all.end(), ExtraOutput::names().begin(), ExtraOutput::names().end());
     all.insert(all.end(), std::begin(map_files), std::end(map_files));
-    all.insert(all.end(), {live, previous, "summary.json"}); // what says so comes last
+    all.insert(all.end(), {live, previous, "summary.json"}); // last, see setAside()
     return all;
   }();
   return names;
@@ -201,7 +202,7 @@ RunFolder::beginRun(const std::string& folder, const std::vector<int>& kept,
   const nlohmann::json summary = summaryAt(folder + "/summary.json");
   if (isFinished(summary)) {
     if (summary.contains("frame_numbers") && summary["frame_numbers"] == kept)
-      return; // this very run, which only ends once more
+      return; // the same run, resumed after its last frame
     if (kept.empty())
       setAside(folder);
   }

@@ -6,46 +6,46 @@
 
 namespace pcl_semantic {
 
-/** \brief The folder that a run writes to: what lies there, and how one run takes the
- * place of another. */
+/** \brief Manages the output folder of a run, including the replacement of an earlier
+ * run. */
 struct RunFolder {
-  /** \brief Written at each frame, beside final_labels at the end. */
+  /** \brief Folders written at each frame; final_labels is written at the end. */
   static constexpr const char* frame_folders[] = {"labels", "labels_at_depth",
                                                   "network_labels", "overlay"};
 
   static constexpr const char* map_files[] = {
       "map.pcd", "map_classes.pcd", "label_set.yaml", "top_view.png", "trajectory.txt"};
 
-  /** \brief The map as it is while it is made, a map folder of its own. */
+  /** \brief The current map during a run, a separate map folder. */
   static constexpr const char* live = "live";
 
-  /** \brief The finished map that was there before, until the new one is whole. */
+  /** \brief The previous finished map, until the new one is complete. */
   static constexpr const char* previous = "previous";
 
-  /** \brief All names of files and folders that any run may write. */
+  /** \brief All names of files and folders that a run may write. */
   static const std::vector<std::string>& names();
 
-  /** \brief Whether a file is the summary of a run of ours, finished or not. */
+  /** \brief Whether a file is the summary of a run, finished or not. */
   static bool isSummary(const std::string& path);
 
-  /** \brief Before a run: makes sure that a finished map can be set aside.
-   * \throws OutputException if `previous` is not of a run */
+  /** \brief Checks before a run that a finished map can be moved to `previous`.
+   * \throws OutputException if `previous` was not made by a run */
   static void requireRoom(const std::string& folder);
 
-  /** \brief Makes room for the frames of a run: a finished map that lies there is moved
-   * to `previous`, what an unfinished run has left is removed, and a summary says that
-   * the new one is not finished. Files of others stay, and so does the finished map of
-   * this very run, whose frames are all kept.
+  /** \brief Prepares the folder for a run. Moves a finished map to `previous`, removes
+   * the output of an unfinished run, and writes a summary that marks the run as
+   * unfinished. Other files are kept, and so is a finished map of the same run, with
+   * the same frames.
    *
-   * \param[in] kept frames, in order, that the run has mapped before, whose images stay
-   * \param[in] has_images whether it writes images
+   * \param[in] kept frames of a resumed run, in order, whose images are kept
+   * \param[in] has_images whether the run writes images
    *
    * \throws OutputException */
   static void beginRun(const std::string& folder, const std::vector<int>& kept,
                        bool has_images);
 
-  /** \brief Once the new map is written: removes `live` and, if the map is whole,
-   * `previous` if it was set aside. */
+  /** \brief Removes `live` after the new map was written and, if the map is complete,
+   * `previous` if a run moved it there. */
   static void endRun(const std::string& folder, bool is_whole);
 };
 

@@ -29,7 +29,7 @@ validated(MapperConfig config)
   return config;
 }
 
-// Parameters of stereo pairs.
+// Refuses parameters of stereo pairs.
 void
 requireNothingOfStereo(const MapperConfig& config)
 {
@@ -38,7 +38,7 @@ requireNothingOfStereo(const MapperConfig& config)
                  "deviations");
 }
 
-// Parameters of frames of a camera.
+// Refuses parameters of camera frames.
 void
 requireNothingOfCamera(const MapperConfig& config, bool has_camera)
 {
@@ -112,14 +112,14 @@ SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_o
   map_.setCloudOrigin(cloud_origin);
 }
 
-// Whether the CRF has seen the frame, which counts from 0.
+// Whether the CRF runs at this frame, counted from 0.
 bool
 SemanticMapper::isRefinedAt(int frame) const
 {
   return config_.crf == CRFModelType::unary || frame % config_.crf_every == 0;
 }
 
-// Whether the labels of the frame are wanted, which counts from 0.
+// Whether the labels of this frame are used, counted from 0.
 bool
 SemanticMapper::isLabelledAt(int frame) const
 {
@@ -139,7 +139,7 @@ SemanticMapper::process(const SensorFrame& frame)
   return mapped;
 }
 
-// From a pair of images to a labelled cloud.
+// Makes a labelled cloud from a pair of images.
 void
 SemanticMapper::read(const StereoFrame& frame, MappedFrame& mapped)
 {
@@ -155,7 +155,7 @@ SemanticMapper::read(const StereoFrame& frame, MappedFrame& mapped)
   labelImage(mapped);
 }
 
-// From an image with depths to a labelled cloud.
+// Makes a labelled cloud from an image with depths.
 void
 SemanticMapper::read(const RgbdFrame& frame, MappedFrame& mapped)
 {
@@ -169,7 +169,7 @@ SemanticMapper::read(const RgbdFrame& frame, MappedFrame& mapped)
   labelImage(mapped);
 }
 
-// For frames that a predictor labels.
+// Requires a mapper with a predictor.
 void
 SemanticMapper::requireImages() const
 {
@@ -222,7 +222,7 @@ SemanticMapper::read(const CloudFrame& frame, MappedFrame& mapped)
     mapped.network = frame.distributions;
 }
 
-// From a labelled cloud with its pose to the map.
+// Adds a labelled cloud with its pose to the map.
 void
 SemanticMapper::fuse(MappedFrame& mapped)
 {
@@ -239,7 +239,7 @@ SemanticMapper::fuse(MappedFrame& mapped)
       map_.setRefined(mapped.voxels, mapped.voxels.refined, config_.crf_write_back);
     });
   else
-    // For finish().
+    // finish() may run the CRF with it.
     cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
   ++frames_;
   if (callback_)
@@ -287,7 +287,7 @@ SemanticMapper::addLabels(const MappedFrame& earlier, LabelDistributions labels)
   refined_ = config_.crf == CRFModelType::unary;
 }
 
-// The points that go into the map.
+// Returns the points to add to the map.
 pcl::PointCloud<pcl::PointXYZRGB>::Ptr
 SemanticMapper::withoutSeenThrough(const MappedFrame& mapped, std::size_t& erased) const
 {
@@ -318,11 +318,11 @@ SemanticMapper::integrate(const MappedFrame& mapped)
       pcl::copyPointCloud(*cloud, positions);
       counts = map_.integrate(positions, mapped.T_world_camera, labels, deviations);
     }
-    counts.invalid -= erased; // they had a depth
+    counts.invalid -= erased; // seen-through points had a depth
     counts.seen_through = erased;
     return counts;
   }
-  catch (const BadInputException& error) { // a map knows nothing of frames
+  catch (const BadInputException& error) { // the map does not number frames
     badInput("frame ", mapped.frame.number, ": ", error.what());
   }
 }
@@ -331,7 +331,7 @@ void
 SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   if (config_.crf_write_back)
-    voxels.is_refined.clear(); // a run changes what all the next ones start from
+    voxels.is_refined.clear(); // a run changes the prior of all later ones
   const CrfRegion region =
       crfRegion(voxels, crfReach(config_.crf_parameters, voxels.voxel_size));
   if (region.updated.empty())
@@ -345,7 +345,7 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   }
   SemanticCRFParameters parameters = config_.crf_parameters;
   if (config_.crf_write_back)
-    parameters.temperature = 1.0; // the next prior forgets nothing
+    parameters.temperature = 1.0; // tempering would weaken the next prior
   crf.setParameters(parameters);
   refineRegion(crf, map_.labelSet(), region, voxels);
 }

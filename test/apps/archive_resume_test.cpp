@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// pcl_semantic_map --archive: a run that is cut off goes on as if nothing had been.
+// pcl_semantic_map --archive: a killed run can be resumed, with the same result.
 
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
@@ -36,8 +36,8 @@ shellCommand(const std::string& arguments)
   return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" + arguments;
 }
 
-// Every file but the summary, which holds seconds, and what a file is called that was
-// being written when the run was killed.
+// All files but the summary, which contains seconds, and temporary files of a killed
+// run.
 std::map<std::string, std::string>
 contentOf(const std::string& output)
 {
@@ -65,7 +65,7 @@ protected:
     ASSERT_EQ(result.code, 0) << result.text;
   }
 
-  // Goes on to the end, and EXPECTs what the uninterrupted run has made.
+  // Resumes the run and expects the result of the uninterrupted run.
   ToolResult
   expectGoesOn(const std::string& output, const std::string& archive) const
   {
@@ -149,8 +149,8 @@ TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
 
 TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
 {
-  // The CRF has not seen the frame after these: what the end of a run does about that
-  // must not be in what a longer run goes on with.
+  // The CRF has not refined the frame after these. The refinement at the end of a run
+  // must not be part of the state from which a longer run is resumed.
   for (const auto& [signal, frame] :
        {std::pair<std::string, int>{"INT", 1}, {"HUP", 3}, {"INT", 4}}) {
     SCOPED_TRACE(frame);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// pcl_semantic_archive, and what pcl_semantic_map says of archives it cannot use.
+// pcl_semantic_archive, and errors of pcl_semantic_map about unusable archives.
 
 #include "files/pcd_file.h"
 #include "support/map_agreement.h"

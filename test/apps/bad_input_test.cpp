@@ -60,7 +60,8 @@ argumentOfConstant()
 
 } // namespace
 
-// What is wrong with a file is tested with its reader; here, that the program says so.
+// The readers' tests cover the faults of files; these tests cover the programs'
+// messages.
 TEST(BadInput, Sequence)
 {
   const std::string options = "--labels STREET/labels --crf none";

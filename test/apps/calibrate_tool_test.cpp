@@ -19,7 +19,7 @@ const std::string folders = " --labels '{sequence}/labels' --truth '{sequence}/g
 const std::string label_set_path =
     PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
 
-// Two streets, of which the second has less truth, and what was learned from them.
+// Two streets, the second with less ground truth, and their calibrations.
 class CalibrateTool : public testing::Test {
 protected:
   CalibrateTool()
@@ -78,7 +78,7 @@ TEST_F(CalibrateTool, WritesWhatItLearned)
   for (int l = 0; l < label_set.size(); ++l)
     EXPECT_EQ(all.fitted[std::size_t(l)], is_there[std::size_t(l) + 1]) << l;
   EXPECT_GT(all.sharpness, 0.0f);
-  // What was learned without a street is what the other street teaches alone.
+  // The calibration without a street equals the one from the other street only.
   succeed("calibrate " + folder_.path("one") + folders + "--output " +
           folder_.path("alone"));
   EXPECT_EQ(filesIn(folder_.path("alone")),

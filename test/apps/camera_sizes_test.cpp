@@ -53,7 +53,7 @@ described(int width, int height, const std::string& more = "")
   };
 }
 
-// The same, and then an image of another size in the place of one.
+// The same, with one image replaced by an image of another size.
 BadCase::Damage
 with(const std::string& image, int type)
 {

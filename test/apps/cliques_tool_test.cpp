@@ -151,7 +151,7 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   succeed(tool + numbers.str());
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == expected);
 
-  PcdTable frame = readPcd(path("frame.pcd")); // the pose it says it has
+  PcdTable frame = readPcd(path("frame.pcd")); // its VIEWPOINT
   const Eigen::Vector3d place = pose().translation();
   frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
                      turn.x(),  turn.y(),  turn.z()};
@@ -214,7 +214,7 @@ TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
     maps.insert(readPcd(path("grouped/map.pcd")).data);
   }
   EXPECT_EQ(maps.size(), kinds.size()); // no two are the same
-  // finish() groups what was not refined yet, by the last frame.
+  // finish() groups voxels that were not refined yet, by the last frame.
   const auto labelsWith = [&](const std::string& options) {
     succeed(tool + options);
     return readLabelledCloud(path("grouped/map.pcd")).cloud;

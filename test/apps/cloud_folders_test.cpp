@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a folder of clouds holds besides one kind of files of points: their poses, and
-// files of another kind.
+// Folders of clouds with additional files: poses, and files of another kind.
 
 #include "support/bad_case.h"
 #include "support/mapped_street.h"

@@ -207,7 +207,7 @@ TEST_F(Scans, NoReturnsAndEmptyScansChangeNothing)
   for (int frame = 0; frame < 4; ++frame)
     writeLabelledCloud(folder.path("clouds/" + std::to_string(frame) + ".pcd"),
                        scans[std::size_t(frame)]);
-  for (LabelledCloud& scan : scans) // what is expected
+  for (LabelledCloud& scan : scans) // expected clouds
     scan.cloud->resize(scan.cloud->size() - 300);
   succeed(map(folder.path("poses.txt")));
   expectVoxels(folder.path("map/map.pcd"), expected());

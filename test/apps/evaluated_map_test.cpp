@@ -291,7 +291,7 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   EXPECT_EQ(filesIn(again), files) << "and nothing else";
   EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
 
-  // Somebody else's folder of that name is neither used nor removed.
+  // A foreign folder of that name is neither used nor removed.
   std::filesystem::create_directories(previous);
   std::ofstream(previous + "/map.pcd") << "mine";
   expectFails(mapOf(street_copy) + " " + options, 5,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Each example runs without arguments and with a user's data, and prints what is true.
+// Each example runs without arguments and with a user's data, and prints correct
+// results.
 
 #include "support/ascii_cloud.h"
 #include "support/mapped_street.h"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 const fs::path sources = PCL_SEMANTIC_SOURCE_DIR "/apps/examples";
 
-// What an example prints; it has to succeed, and leaves nothing where it runs.
+// Runs an example, which must succeed without leaving files, and returns its output.
 std::string
 outputOf(const std::string& example, const std::string& arguments = "")
 {

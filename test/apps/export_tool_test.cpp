@@ -27,7 +27,7 @@ public:
     return folder_.path(name);
   }
 
-  /** \brief The bytes of what is written from one of its forms, and what is said. */
+  /** \brief Exports one of its forms, and returns the file's bytes and the messages. */
   std::string
   exported(const std::string& form, const std::string& name,
            const std::string& options = "", std::string* said = nullptr) const

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A cloud at the coordinates of a survey (UTM, in double precision) gives what the same
-// cloud gives near the origin.
+// A cloud at the coordinates of a survey (UTM, in double precision) gives the same
+// result as the same cloud near the origin.
 
 #include "support/bad_case.h"
 

@@ -385,7 +385,7 @@ TEST_F(ChangedFleet, MakesOnlyWhatHasChanged)
   run("used", plan(a));
   EXPECT_EQ(fs::last_write_time(first), made);
   EXPECT_FALSE(fs::exists(folder_.path("used/city/submaps/b")));
-  // What is not the fleet's stays.
+  // Foreign files are kept.
   folder_.write("used/city/submaps/notes.txt", "mine");
   fs::create_directories(folder_.path("used/city/submaps/b"));
   folder_.write("used/city/submaps/b/notes.txt", "mine");

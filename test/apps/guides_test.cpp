@@ -106,7 +106,7 @@ follow(const std::string& guide, const TemporaryFolder& folder)
       EXPECT_TRUE(isInAnExample(block)) << "in no example: " << textOf(block);
     else if (!fileShownIn(block).empty())
       writeShownFile(folder, block);
-    else // a drawing; what is to be typed has a language
+    else // a drawing; blocks of commands have a language
       EXPECT_EQ(block.language, "text") << textOf(block);
   }
 }

@@ -73,7 +73,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   EXPECT_EQ(fs::exists(folder.path("view.png")), verbs.back() == "view");
 }
 
-// `--help` fits on a screen, and what it lists is there.
+// `--help` fits on a screen, and all listed options exist.
 TEST(Help, FitsOnAScreen)
 {
   for (const std::string& verb : verbs) {

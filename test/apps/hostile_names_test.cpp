@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Names that a terminal or JSON cannot take, folders that somebody else uses, and
+// Names that a terminal or JSON cannot represent, folders with foreign files, and
 // calibrations of other images.
 
 #include "support/mapped_street.h"

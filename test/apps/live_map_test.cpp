@@ -25,7 +25,7 @@ protected:
            tinyStreet() + "/labels --output " + map + " " + more;
   }
 
-  // For the shell: waits until the run that it has started last has said so.
+  // For the shell: waits until its last run has printed the text.
   std::string
   waitFor(const std::string& text) const
   {
@@ -40,8 +40,8 @@ protected:
 
 } // namespace
 
-// Another program fills the folder, and ends the run when all that came is mapped. The
-// run has started itself anew meanwhile, with threads that sleep soon.
+// Another program fills the folder and ends the run after all pairs were mapped. The
+// run has restarted itself meanwhile, with threads that sleep soon.
 TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 {
   fs::create_directories(street + "/image_2");

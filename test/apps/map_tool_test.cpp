@@ -228,7 +228,7 @@ TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
   mapStreet(tinyStreet(), output, "--crf none --frames 1:2");
   EXPECT_EQ(filesIn(output), filesOfMap({"000001"}));
 
-  // Without a summary the images are somebody else's.
+  // Without a summary the images count as foreign.
   fs::remove(output + "/summary.json");
   expectFails(mapOf(tinyStreet()) + " --output " + output, 5,
               "/labels: holds images, but no summary.json");

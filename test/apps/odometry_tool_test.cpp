@@ -84,7 +84,7 @@ TEST(MapTool, TakesTumTrajectories)
   expectFails(command, 3, "the time of frame 2");
 }
 
-// What is wrong with the poses is said before anything is made.
+// Faults of the poses are reported before any output.
 TEST(BadInput, Trajectories)
 {
   const std::string rest = "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n";

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every option of every program, in every mode of it, changes what comes out or is
-// refused with the option and the mode named. The options are those that `--help`
-// lists: one that is added has to be given a value here.
+// Every option of every program, in every mode, changes the output or is refused with
+// the option and the mode named. The options are those in `--help`; a new option needs
+// a value here.
 
 #include "support/bad_case.h"
 #include "support/onnx_writer.h"
@@ -29,7 +29,7 @@ namespace {
 // A way to run a program. IN holds what inputs() makes, OUT is an empty folder. The
 // command "fleet SEQUENCE --options" is a plan of one drive with the options of `map`.
 struct Mode {
-  std::string name; // what a refusal calls it, or an option of the command
+  std::string name; // its name in a refusal, or an option of the command
   std::string command;
   std::string only = ""; // of options: those whose names match; all of them elsewhere
 };
@@ -419,7 +419,7 @@ writeScans(const std::string& folder)
   }
 }
 
-// What the commands of `modes` and `trials` read as IN.
+// Makes the inputs of the commands in `modes` and `trials`, named IN there.
 void
 makeInputs(const std::string& in)
 {
@@ -548,7 +548,7 @@ optionsOf(const std::string& program)
   return options;
 }
 
-// What a command leaves behind: its messages and files.
+// Result of a command: its messages and files.
 struct Outcome {
   int code = 0;
   std::string text;

@@ -103,7 +103,7 @@ TEST(OwnCamera, BadInputIsNamed)
   const TemporaryFolder folder;
   const std::string own = folder.path("camera");
   writeOwnCamera(own);
-  const auto copy = [&](const std::string& street) { // in the place of the street
+  const auto copy = [&](const std::string& street) { // instead of the street
     fs::remove_all(street);
     fs::copy(own, street, fs::copy_options::recursive);
   };

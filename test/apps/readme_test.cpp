@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every command of the README and doc/kitti.md, run in a folder that looks like the
-// project after
-// ./dev demo, with a tiny street in the place of KITTI.
+// Every command of the README and doc/kitti.md, run in a folder like the project after
+// ./dev demo, with a tiny street instead of KITTI.
 
 #include "support/code_blocks.h"
 #include "support/onnx_writer.h"

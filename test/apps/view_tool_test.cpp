@@ -12,7 +12,7 @@
 
 #include <opencv2/core.hpp>
 
-// Windows and pictures of what they show, on the display of xvfb-run: none is needed.
+// Windows and images of their content, on the display of xvfb-run: none is needed.
 
 namespace pcl_semantic {
 
@@ -79,7 +79,7 @@ count(const cv::Mat& picture, const cv::Vec3b& colour)
   return cv::countNonZero(equal);
 }
 
-// What the viewer shows of maps.
+// Images of the viewer.
 class Views {
 public:
   Views() { folder_.write("block.pcd", floorAndBlock()); }
@@ -101,7 +101,7 @@ public:
     return read(picture);
   }
 
-  /** \brief Those with several options, all on one display, which is quicker. */
+  /** \brief Images for several options, all on one display, which is faster. */
   std::vector<cv::Mat>
   operator()(const std::vector<std::string>& arguments) const
   {
@@ -188,7 +188,7 @@ TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
   const int block = count(seen[0], car), floor = count(seen[0], road);
   EXPECT_GT(floor, 400 * 300 / 4);
   EXPECT_NEAR(double(block) / floor, 64.0 / 836.0, 0.02);
-  for (std::size_t i = 1; i < 4; ++i) { // what was below it shows: the floor is whole
+  for (std::size_t i = 1; i < 4; ++i) { // the floor below appears: it is complete
     EXPECT_EQ(count(seen[i], car), 0) << i;
     EXPECT_GT(count(seen[i], road), floor + block) << i;
   }
@@ -279,7 +279,7 @@ TEST_F(ViewTool, TheMapInTheMakingIsTheSameWithAWindow)
 
 TEST_F(ViewTool, FollowsAMapFromBeforeItsFirstFrame)
 {
-  // The window, which nobody but its own key closes, opens before there is a folder.
+  // The window, which only its key closes, opens before the folder exists.
   const TemporaryFolder folder;
   const std::string map = folder.path("map");
   const std::string script = program + "view " + map + " --follow --images " +

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Superpixels against OpenCV's (ximgproc, 200 segments, 10 iterations), in time and
-// against hand-made truth; supervoxels against pcl::SupervoxelClustering as it is. Two
-// threads.
+// Superpixels compared with OpenCV's (ximgproc, 200 segments, 10 iterations), in time
+// and against manual ground truth; supervoxels compared with pcl::SupervoxelClustering.
+// Two threads.
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
@@ -26,16 +26,16 @@ namespace {
 
 using namespace pcl_semantic;
 
-// Images with hand-made truth.
+// Images with manual ground truth.
 const std::pair<const char*, int> truths[] = {{"15", 0}, {"15", 3}, {"05", 0}};
 
 cv::Mat
 superpixelsOfOpenCV(const cv::Mat& image)
 {
-  // 200 segments of this image, and ten iterations, are its documentation's.
+  // Its documentation uses ten iterations and 200 segments for this image.
   const int size = int(std::sqrt(double(image.total()) / 200.0));
   cv::Mat lab, segments;
-  cv::GaussianBlur(image, lab, cv::Size(3, 3), 0.0); // as its documentation advises
+  cv::GaussianBlur(image, lab, cv::Size(3, 3), 0.0); // advised by its documentation
   cv::cvtColor(lab, lab, cv::COLOR_BGR2Lab);
   const auto slic =
       cv::ximgproc::createSuperpixelSLIC(lab, cv::ximgproc::SLIC, size, 10.0f);
@@ -45,16 +45,16 @@ superpixelsOfOpenCV(const cv::Mat& image)
   return segments;
 }
 
-/** \brief Of superpixels against truth. */
+/** \brief Quality of superpixels against ground truth. */
 struct Quality {
-  double recall = 0.0; ///< of the truth's border pixels, those with a superpixel's
+  double recall = 0.0; ///< of the ground truth's border pixels with a superpixel border
                        ///< within two pixels [%]
-  double error = 0.0;  ///< undersegmentation: pixels of superpixels outside of the
-                       ///< class that most of theirs have [%]
+  double error = 0.0;  ///< undersegmentation: pixels outside the majority class
+                       ///< of their superpixel [%]
   int count = 0;
 };
 
-// Pixels whose right or lower neighbour is something else.
+// Pixels whose right or lower neighbour has another number.
 cv::Mat1b
 bordersOf(const cv::Mat& numbers)
 {
@@ -146,7 +146,7 @@ benchSuperpixels(const std::string& data)
   };
   printQuality("ours, 150", ourQuality(150, 2));
   printQuality("ours, 200, at full size", ourQuality(200, 1));
-  const Quality our_quality = ourQuality(200, 2); // as many as OpenCV's
+  const Quality our_quality = ourQuality(200, 2); // the same number as OpenCV's
   printQuality("ours, 200", our_quality);
   printRatio("cliques_slic_vs_ximgproc", theirs / ours, 10);
   printRatio("cliques_slic_recall_vs_ximgproc",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The CRF over voxel clouds, against what a user could take instead: a plain
-// single-thread permutohedral mean field, and pcl::DenseCrf. Same kernels, weights and
-// self-interaction on all sides; our default two threads, or as OMP_NUM_THREADS says.
+// The CRF over voxel clouds, compared with alternatives: a plain single-thread
+// permutohedral mean field, and pcl::DenseCrf. All have the same kernels, weights and
+// self-interaction. The CRF uses two threads, or OMP_NUM_THREADS.
 
 #include "bench/exact_mean_field.h"
 #include "bench/kitti_map.h"
@@ -32,7 +32,7 @@ benchParameters(int iterations)
 {
   SemanticCRFParameters parameters; // 0.2 m weight 3; 0.2 m and 8 levels weight 8
   parameters.iterations = iterations;
-  parameters.self_interaction = true; // as the others have it
+  parameters.self_interaction = true; // like the others
   return parameters;
 }
 
@@ -114,7 +114,7 @@ runPcl(const VoxelCloud& voxels, int iterations)
   crf.inference(iterations, result, 1.0f);
 }
 
-// Where less is better: how far below the limit.
+// Prints a figure with an upper limit, as ratio of limit to value.
 void
 printLimit(const std::string& name, double value, double limit)
 {
@@ -160,7 +160,7 @@ compareWithExact(const std::string& name, const VoxelCloud& voxels)
   }
 }
 
-// Copies of a map side by side, or the first of its voxels.
+// Returns copies of a map side by side, or its first voxels.
 VoxelCloud
 resized(const VoxelCloud& voxels, std::size_t count, int labels)
 {
@@ -196,8 +196,8 @@ measureGrowth(const VoxelCloud& voxels)
   std::vector<double> seconds;
   for (const std::size_t count : {10000, 100000, 1000000}) {
     const VoxelCloud part = resized(voxels, count, 11);
-    malloc_trim(0);                                // what was freed is given back
-    std::ofstream("/proc/self/clear_refs") << "5"; // and the peak begins anew
+    malloc_trim(0);                                // returns freed memory
+    std::ofstream("/proc/self/clear_refs") << "5"; // resets the peak
     const long before = statusOf("VmRSS:");
     seconds.push_back(
         medianSeconds(count < 1000000 ? 5 : 1, [&] { runOurs(part, 1); }));

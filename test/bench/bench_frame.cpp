@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Where the time of a frame goes, beside the paper's table of times (an i7-4790; its
-// network ran on a GPU and is not counted), with our defaults and in the paper's
-// window, and frames a second against the 10 Hz of KITTI's cameras: sequence 07 with a
-// network, or the synthetic street with labels that cost nothing. Medians over frames;
-// prints a table in Markdown. Then what counts in the end: SemanticMapper::process as a
-// whole, with all that lies between the stages, and pcl_semantic_map as a process.
+// Time of a frame by stage, beside the paper's table of times (an i7-4790; its network
+// ran on a GPU and is not counted), with default parameters and in the paper's window,
+// and frames per second against the 10 Hz of KITTI's cameras. The input is sequence 07
+// with a network, or the synthetic street with precomputed labels. Medians over frames;
+// prints a table in Markdown. The totals are SemanticMapper::process, including the
+// time between stages, and the process pcl_semantic_map.
 
 #include "bench/kitti_map.h"
 #include "bench/median.h"
@@ -36,18 +36,18 @@ using namespace pcl_semantic;
 
 constexpr int street_frames = 10;
 constexpr double camera_rate = 10.0; // [Hz]
-// Of what is wanted, frames a second over that rate: so much time is left to a network.
+// Required frames per second relative to that rate; the rest is left for a network.
 constexpr double process_target = 1.6, program_target = 1.2;
 constexpr double load_target = 0.5; // of the speed, with one processor kept busy
 
-// One sequence, however it comes about.
+// A sequence from any source.
 struct Frames {
   std::string name;
   StereoCamera camera;
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   std::vector<StereoFrame> frames;
-  std::vector<LabelDistributions> labels; // of each
-  double network = 0.0;                   // seconds a frame; 0 = there is none
+  std::vector<LabelDistributions> labels; // per frame
+  double network = 0.0;                   // seconds per frame; 0 = no network
 };
 
 double
@@ -105,7 +105,7 @@ streetFrames()
   return result;
 }
 
-// Median seconds of the paper's stages, and of all the mapper does with a frame.
+// Median seconds of the paper's stages, and of the whole process().
 struct Stages {
   double disparity, pose, superpixels, occupancy, crf;
   double process = 0.0, process_percentile_95 = 0.0;
@@ -133,7 +133,7 @@ mapAll(const Frames& data, MapperConfig config, CRFModelType crf)
     seconds["process"].push_back(secondsOf([&] { mapped = mapper.process(frame); }));
     for (const auto& [stage, each] : mapped.times.seconds())
       seconds[stage].push_back(each);
-    // Once more by themselves: the mapper makes them within its CRF.
+    // Measured separately, because the mapper makes them within its CRF.
     const SlicParameters& slic = config.clique_parameters.superpixel.slic;
     seconds["superpixels"].push_back(
         secondsOf([&] { slicSuperpixels(frame.left, slic); }));
@@ -153,7 +153,7 @@ mapAll(const Frames& data, MapperConfig config, CRFModelType crf)
 const Stages paper_hierarchical = {0.416, 0.102, 0.115, 0.295, 0.53};
 const Stages paper_dense = {0.416, 0.102, 0.0, 0.295, 0.38};
 
-// The columns of the table: our defaults, the paper's window, the paper.
+// Columns of the table: default parameters, the paper's window, the paper.
 using Columns = std::array<Stages, 3>;
 
 template <typename Figure>
@@ -201,7 +201,7 @@ printTable(const Frames& data, const Columns& hierarchical, const Columns& dense
   }
 }
 
-// Another process that keeps a processor busy as long as this lives.
+// A child process that keeps a processor busy during the object's lifetime.
 class Load {
 public:
   Load() : process_(fork())
@@ -209,7 +209,7 @@ public:
     if (process_ < 0)
       throw std::runtime_error("there cannot be another process");
     if (process_ == 0) {
-      prctl(PR_SET_PDEATHSIG, SIGKILL); // also if this process ends another way
+      prctl(PR_SET_PDEATHSIG, SIGKILL); // also if this process is killed
       for (volatile unsigned turns = 0;; turns = turns + 1)
         ;
     }
@@ -240,8 +240,8 @@ printProcess(const Stages& stages, const Stages& under_load)
              load_target);
 }
 
-// Stored labels, decoding included, nothing written but the map. Two runs of different
-// lengths tell the frames from what a run takes to begin and end.
+// Runs the program with stored labels, including their decoding, and only the map as
+// output. Runs of two lengths separate the frames from start and end.
 void
 printProgram(const Frames& data, const std::string& sequence)
 {

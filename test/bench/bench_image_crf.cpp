@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The dense CRF over the pixels of an image, against a plain single-thread
-// permutohedral mean field: same kernels (3 px; 40 px and 4 grey levels), weights and
-// self-interaction on both sides; ours summed as ImageCRF does, on two threads. Then
-// the lattice over positions and colours of voxels.
+// The dense CRF over the pixels of an image, compared with a plain single-thread
+// permutohedral mean field, with the same kernels (3 px; 40 px and 4 grey levels),
+// weights and self-interaction. It uses ImageCRF's summation, on two threads. Then the
+// lattice over positions and colours of voxels.
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
@@ -85,13 +85,13 @@ printAgreement(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
               double((a - b).cwiseAbs().mean()));
 }
 
-// Where the time goes: set-up of a kernel, and its product with the labels.
+// Prints the time to set up a kernel, and of its product with the labels.
 void
 printParts(const char* name, const Eigen::MatrixXf& features, Eigen::Index labels)
 {
   const double set_up = medianSeconds(5, [&] { LatticeKernel kernel(features); });
   const LatticeKernel kernel(features);
-  const Eigen::Index rows = (labels + 15) / 16 * 16; // as the engine pads them
+  const Eigen::Index rows = (labels + 15) / 16 * 16; // padding of the engine
   const Eigen::MatrixXf values = Eigen::MatrixXf::Constant(rows, kernel.size(), 0.1f);
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, kernel.size());
   const double product = medianSeconds(9, [&] { kernel.addProduct(values, result); });

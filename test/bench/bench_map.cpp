@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// One frame of KITTI into the map, with colour and eleven labels, against OctoMap's
-// occupancy alone: the same points, the same range, two threads. Then the occupied
-// cloud of a window, its memory, and whether thousands of frames cost what the first
-// ones did.
+// One frame of KITTI added to the map, with colour and eleven labels, compared with
+// OctoMap's occupancy only: the same points, the same range, two threads. Then the
+// occupied cloud of a window, its memory, and the constancy of times over thousands of
+// frames.
 
 #include "bench/kitti_map.h"
 #include "bench/median.h"
@@ -25,7 +25,7 @@ namespace {
 
 using namespace pcl_semantic;
 
-// Takes what leaves the window and keeps nothing: the map alone is measured.
+// Discards blocks that leave the window, so that only the map is measured.
 class ForgetfulStore : public BlockStore {
 public:
   void
@@ -64,7 +64,7 @@ labelSetPath()
   return std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/label_sets/kitti11.yaml";
 }
 
-// Sky casts no ray in our map, and OctoMap knows no sky: it is taken out for both.
+// Sky casts no ray in the map, and OctoMap has no such class: it is removed for both.
 void
 removeSky(const LabelSet& label_set, BenchFrame& frame)
 {
@@ -144,7 +144,7 @@ ourSeconds(const std::vector<BenchFrame>& frames, double range)
 struct Street {
   std::string name;
   std::vector<BenchFrame> frames;
-  std::map<double, double> seconds; // of a frame of ours, by range
+  std::map<double, double> seconds; // per frame of the map, by range
 };
 
 void
@@ -158,8 +158,8 @@ compareWithOctomap(Street& street, double range, double target)
              octomap / ours, target);
 }
 
-// The window full of what the frames show, as a cloud with its distributions: against
-// a copy of the same bytes.
+// Compares the extraction of a full window, as a cloud with its distributions, with a
+// copy of the same bytes.
 void
 compareExtraction(const std::vector<BenchFrame>& frames)
 {
@@ -181,7 +181,7 @@ compareExtraction(const std::vector<BenchFrame>& frames)
   printRatio("map_copy_times_6_vs_extraction", 6.0 * copy / extraction, 1.0);
 }
 
-// The released code keeps 61 bytes a voxel of the window.
+// The paper's released code uses 61 bytes per voxel of the window.
 void
 compareMemory(const std::vector<BenchFrame>& frames, const char* name,
               const SemanticVoxelMap::Parameters& parameters, double most)
@@ -200,8 +200,8 @@ compareMemory(const std::vector<BenchFrame>& frames, const char* name,
   printRatio(std::string("map_") + name + "_window_memory", most / ours, 1.0);
 }
 
-// A room that goes with the sensor through new blocks, at a random place in each: the
-// same work at every frame.
+// A room that moves with the sensor through new blocks, at a random position in each:
+// constant work per frame.
 void
 printConstancy()
 {
@@ -216,7 +216,7 @@ printConstancy()
   std::size_t work[2] = {};
   std::size_t memory[2] = {};
   for (int i = 0; i < frames; ++i) {
-    // A whole number of blocks: the quantised rays are the same.
+    // An integer number of blocks, so that the quantised rays are the same.
     const Eigen::Isometry3d pose(Eigen::Translation3d(0.8 * i, 0.0, 0.0));
     ScanCounts counts;
     seconds.push_back(secondsOf(
@@ -266,8 +266,7 @@ main()
     compareMemory(street.frames, "default", SemanticVoxelMap::Parameters(), 256.0);
     streets.push_back(std::move(street));
   }
-  // At the end: the millions of nodes it frees leave the heap slow for what comes
-  // after.
+  // Last, because the millions of nodes it frees slow down the heap afterwards.
   for (Street& street : streets) {
     compareWithOctomap(street, 20.0, 15.0);
     compareWithOctomap(street, 40.0, 40.0);

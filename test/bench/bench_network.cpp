@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Seconds that a segmentation network takes for an image of KITTI, by each engine that
-// the library was built with, by all threads and by one; median of eight runs, in
-// Markdown. Ratios are OpenCV's time over ONNX Runtime's.
+// Seconds of a segmentation network for an image of KITTI, by each engine in the
+// library, with all threads and with one; median of eight runs, in Markdown. Ratios are
+// OpenCV's time divided by ONNX Runtime's.
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"

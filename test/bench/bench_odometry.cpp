@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// How exact and how fast StereoOdometry is: bench_odometry [frames of the street]
+// Accuracy and speed of StereoOdometry: bench_odometry [frames of the street]
 
 #include "bench/ratio.h"
 #include "support/kitti_errors.h"

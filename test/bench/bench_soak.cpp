@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A drive of many hours: the synthetic street again and again, each time behind the
-// last one, 20,000 frames and 17 km with an archive, 5,000 without. Prints a table in
-// Markdown, a row every thousand frames, and at the end how far memory, files, archive
-// and time have moved since the second thousand. The time of a frame is compared with
-// that of a second run, which has just begun, for the same frame of the street at the
-// same moment: machines wander more than what is looked for.
+// A drive of many hours: repetitions of the synthetic street one after the other,
+// 20,000 frames and 17 km with an archive, 5,000 without. Prints a table in Markdown, a
+// row per thousand frames, and finally the changes of memory, files, archive and time
+// since the second thousand. The time of a frame is compared with a fresh run for the
+// same frame of the street at the same moment, because the speed of machines varies by
+// more than the expected effect.
 //
 //   bench_soak [FRAMES [none|archive]]
 
@@ -38,8 +38,8 @@ using namespace pcl_semantic;
 
 namespace {
 
-constexpr int kStreet = 100; // frames of the street that is repeated
-constexpr int kEvery = 1000; // frames a row
+constexpr int kStreet = 100; // frames of the repeated street
+constexpr int kEvery = 1000; // frames per row
 
 double
 residentMegabytes()
@@ -58,7 +58,7 @@ openFiles()
       std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
 }
 
-// The street behind the street, and so on.
+// Repetitions of the street, one after the other.
 class EndlessStreet {
 public:
   explicit EndlessStreet(const SyntheticRenderer& renderer) : renderer_(renderer)
@@ -130,7 +130,7 @@ public:
         archive_->store());
   }
 
-  // Returns the seconds that the frame took.
+  // Returns the seconds of the frame.
   double
   process(int number)
   {
@@ -165,13 +165,13 @@ private:
 
 struct Row {
   double memory; // resident [MB]
-  double files;  // that are open
+  double files;  // open ones
   double kept;   // archive [MB], or blocks in memory [thousands]
-  double ratio;  // of a frame's time to that of a new run
+  double ratio;  // of a frame's time to that of a fresh run
 };
 
-// The frames [begin, end) one by one, the last kStreet of them paired with a new run's.
-// Returns the median ratio of their times, and prints the median time.
+// Processes the frames [begin, end), the last kStreet of them paired with a fresh
+// run's. Returns the median ratio of their times, and prints the median time.
 double
 driveOn(Drive& drive, int begin, int end, Drive& fresh)
 {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Disparities against lidar, on all frames of five KITTI sequences, two threads; every
-// engine against OpenCV's semi-global matching in three directions. Middlebury's cones
-// as a second opinion.
+// engine is compared with OpenCV's semi-global matching in three directions. A second
+// comparison uses Middlebury's cones.
 //
-// The truth: returns projected into the left image, the nearest of a pixel, without
-// those that seenPoints finds hidden from the camera.
+// Ground truth: returns projected into the left image, the nearest per pixel, without
+// those that seenPoints() finds hidden from the camera.
 
 #include "bench/ratio.h"
 
@@ -25,21 +25,21 @@ namespace {
 
 using namespace pcl_semantic;
 
-constexpr double max_depth = 200.0; // beyond what the scanner reaches [m]
+constexpr double max_depth = 200.0; // above the scanner's range [m]
 const char* const sequences[] = {"00", "03", "05", "07", "09"};
 
 struct Engine {
-  const char *name, *engine; // in what is printed, in makeDisparityEstimator()
+  const char *name, *engine; // printed name; name for makeDisparityEstimator()
 };
 
-// The first is what the others are measured against.
+// The first is the reference.
 const Engine engines[] = {{"sgbm_3way", "sgbm"}, {"elas", "elas"}, {"sgm", "sgm"}};
 
-/** \brief What an engine gave at the pixels of the truth. */
+/** \brief Result of an engine at the pixels of the ground truth. */
 struct Result {
-  std::vector<double> seconds;  ///< a frame
+  std::vector<double> seconds;  ///< per frame
   std::vector<float> disparity; ///< 0 = none
-  std::vector<float> deviation; ///< the engine's own opinion
+  std::vector<float> deviation; ///< estimated by the engine
 };
 
 struct Score {
@@ -50,8 +50,8 @@ struct Score {
 
 struct Truth {
   std::vector<float> disparity;
-  double wrong_above;       ///< an error of more than this is gross [px] ...
-  double wrong_above_share; ///< ... if it is more than this share of the disparity, too
+  double wrong_above;       ///< threshold of a gross error [px] ...
+  double wrong_above_share; ///< ... and above this fraction of the disparity
 };
 
 double
@@ -97,7 +97,8 @@ wrongOfAll(const Truth& truth, const Result& result)
   return 100.0 - valid.share * (1.0 - valid.wrong / 100.0);
 }
 
-// Share of the right pixels whose error is within the deviation, 68 % if it is one.
+// Fraction of correct pixels with an error within the deviation; 68 % for a standard
+// deviation.
 double
 withinDeviation(const Truth& truth, const Result& result)
 {
@@ -218,7 +219,7 @@ benchKitti(const std::string& data)
       append(disparities, truth);
       append(disparities, part);
       for (std::size_t e = 0; e < estimators.size(); ++e) {
-        if (i == 0) // not counted: memory, and the images, are touched first
+        if (i == 0) // not counted: memory and images are touched for the first time
           estimators[e]->estimate(frame.left, frame.right);
         estimate(*estimators[e], frame, disparities, part_results[e]);
       }

@@ -103,8 +103,8 @@ private:
   std::vector<std::vector<double>> weights_;
 };
 
-/** \brief How far marginals are from exact ones: share of equal MAP labels, mean and
- * 99th percentile of the largest difference of a voxel. */
+/** \brief Deviation of marginals from exact ones: fraction of equal MAP labels, mean
+ * and 99th percentile of the largest difference per voxel. */
 struct MarginalError {
   double equal = 0.0, mean = 0.0, percentile99 = 0.0;
 

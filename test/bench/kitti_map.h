@@ -13,7 +13,7 @@
 
 namespace pcl_semantic {
 
-/** \brief The folder of real data, or nothing. */
+/** \brief Folder of real data; empty if not set. */
 inline std::string
 realDataFolder()
 {
@@ -21,7 +21,7 @@ realDataFolder()
   return folder ? folder : "";
 }
 
-/** \brief The description of the networks in it, of the largest of them. */
+/** \brief Description of the largest network in realDataFolder(). */
 inline NetworkDescription
 kittiNetworkDescription()
 {
@@ -29,7 +29,8 @@ kittiNetworkDescription()
                                 "/data/networks/espnetv2_city_1280x480.yaml");
 }
 
-/** \brief That network, for the classes of its description. */
+/** \brief The network of kittiNetworkDescription(), with the classes of its
+ * description. */
 inline std::unique_ptr<NetworkPredictor>
 kittiNetwork()
 {
@@ -39,9 +40,9 @@ kittiNetwork()
       realDataFolder() + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
 }
 
-/** \brief The fused voxels of all frames of KITTI 15 with the depth cut at \a max_depth
- * [m]: no CRF has seen them. Their points are the centres, as a mapper's CRF sees
- * them (SemanticCRF::setVoxels). */
+/** \brief Fused voxels of all frames of KITTI 15 with depths up to \a max_depth [m],
+ * without a CRF. Their points are the centres, as for a mapper's CRF
+ * (SemanticCRF::setVoxels). */
 inline VoxelCloud
 makeKittiMap(double max_depth)
 {
@@ -49,7 +50,7 @@ makeKittiMap(double max_depth)
   MapperConfig config;
   config.crf = CRFModelType::unary;
   config.map.max_range = max_depth;
-  config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
+  config.map.fusion.miss_probability = 0.499; // keeps all hit voxels occupied
   SemanticMapper mapper(readLabelSet(kittiNetworkDescription().label_set_path), config,
                         readPoses(sequence.posesPath(), sequence.T_camera0_camera()),
                         sequence.camera(), kittiNetwork());

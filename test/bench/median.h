@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-/** \brief The median of some values, at least one; the upper of two in the middle. */
+/** \brief Median of at least one value; the upper of two middle ones. */
 inline double
 median(std::vector<double> values)
 {

@@ -20,7 +20,7 @@ secondsOf(Work&& work)
       .count();
 }
 
-/** \brief Median wall time of a few runs [s], after one that is not counted. */
+/** \brief Median wall time of several runs [s], after an uncounted one. */
 template <typename Work>
 double
 medianSeconds(int runs, Work&& work)

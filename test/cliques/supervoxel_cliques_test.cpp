@@ -179,12 +179,12 @@ TEST(SupervoxelCliques, WhatHasNotChangedIsTakenOver)
   EXPECT_TRUE(cliquesOf(generator, cloud) == cliquesOf(cloud));
   EXPECT_LT(generator.changedCubes(), 6u);
   generator.generate(Cloud());
-  EXPECT_EQ(generator.cubes(), 0u); // nothing is remembered of what has gone
+  EXPECT_EQ(generator.cubes(), 0u); // removed voxels leave no state
 }
 
 TEST(SupervoxelCliques, WorkWhereverTheCloudLies)
 {
-  // The same but for the last bits of the places: cubes of a map are 6.4 m wide.
+  // Equal except for the last bits of the positions: cubes of a map are 6.4 m wide.
   SupervoxelParameters in_map;
   in_map.fixed_cubes = true;
   const Cliques here = cliquesOf(roomAt({0.0, 0.0, 0.0}), in_map);

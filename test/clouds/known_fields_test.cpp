@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What is known of points under other names and in other numbers.
+// Fields of points under other names and with other number types.
 
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
@@ -50,7 +50,7 @@ pcdOf(const Fields& fields, const std::string& first, const std::string& second)
          second + "\n";
 }
 
-// What a test expects of a file of either format.
+// Expectations about a file of either format.
 template <typename Check>
 void
 inBothFormats(const Fields& fields, const std::string& first, const std::string& second,

@@ -33,7 +33,7 @@ diagonalOf(const LatticeKernel& kernel)
       kernel.size(), [&](Eigen::Index i) { return kernel.diagonal(i); });
 }
 
-// What the lattice alone makes of values, j = i included.
+// Values filtered by the lattice, j = i included.
 Eigen::MatrixXf
 filtered(const LatticeKernel& kernel, const Eigen::MatrixXf& values)
 {
@@ -55,7 +55,7 @@ plainLatticeLike(const PermutohedralLattice& lattice, const Eigen::MatrixXf& fea
   return PlainLattice(features.colwise() - origin.cast<float>());
 }
 
-// What the plain one makes of four rows, without its constant factor.
+// Four rows filtered by the plain lattice, without its constant factor.
 Eigen::MatrixXf
 plainlyFiltered(PlainLattice& lattice, const Eigen::MatrixXf& values, bool reversed)
 {
@@ -86,8 +86,8 @@ cloudsOf(Eigen::Index dimensions, Eigen::Index count)
 TEST(PermutohedralLattice, EqualsThePlainOne)
 {
   for (const Eigen::Index d : {1, 2, 3, 4, 5, 6, 7, 8, 11, 16}) {
-    // Enough for several chunks. Of more corners in sparser clouds some would lie on
-    // the border of simplices but for rounding.
+    // Enough for several chunks. With more corners in sparser clouds, rounding would
+    // put some points on the border of simplices.
     const Eigen::Index count = d < 9 ? 3000 : 800;
     for (const Cloud& cloud : cloudsOf(d, count)) {
       SCOPED_TRACE(std::string(cloud.name) + ", d " + std::to_string(d));
@@ -135,7 +135,7 @@ TEST(PermutohedralLattice, IsASymmetricMap)
 TEST(PermutohedralLattice, GainMakesSumsThoseOfTheGaussian)
 {
   for (const Eigen::Index d : {1, 2, 3}) {
-    // So many points that every vertex exists where the sum is looked at.
+    // Enough points that every vertex exists at the evaluated ones.
     const Eigen::MatrixXf features = 4.0f * Eigen::MatrixXf::Random(d, 4000);
     const LatticeKernel kernel = latticeAround(features);
     const Eigen::MatrixXf sums = filtered(kernel, Eigen::MatrixXf::Ones(1, 4000));

@@ -247,7 +247,7 @@ TEST(TruncatedKernel, TheStatedRadiusKeepsTheMassOfASurface)
   const TruncatedKernel kernel(positions, terms, 2.5f);
   const double kept =
       product(kernel, Eigen::MatrixXf::Ones(1, positions.cols()))(20 * 41 + 20);
-  // Normalisation gives most of what is cut off back to the pairs that stay.
+  // Normalisation returns most of the truncated weight to the remaining pairs.
   EXPECT_NEAR(kept / full, 1.0, 0.01);
 }
 

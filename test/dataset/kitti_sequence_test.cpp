@@ -87,7 +87,7 @@ TEST(KittiCalibration, GeometryOfBothPairs)
   // t2 = ((30.6 - 60 * 0.01) / 500, (4.4 - 40 * 0.01) / 400, 0.01), t3.x = -220 / 500
   EXPECT_NEAR(colour.camera.baseline, 0.06 + 0.44, 1e-12);
 
-  // What P2 projects from camera 0 and what the camera projects from its own frame are
+  // P2 projects a point of camera 0, and the camera the same point of its own frame, to
   // the same pixel.
   Eigen::Matrix<double, 3, 4> P2;
   P2 << 500, 0, 60, 30.6, 0, 400, 40, 4.4, 0, 0, 1, 0.01;

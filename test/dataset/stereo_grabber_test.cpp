@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::seconds soon(10); // within it everything happens at once
 
-// Its pairs come when the test says so.
+// A camera whose pairs arrive on the test's command.
 struct Script {
   std::mutex mutex;
   std::condition_variable changed;
@@ -108,7 +108,7 @@ TEST_F(Grabber, GivesTheNewestPairAndCountsTheOthers)
   script.send({8, 9, 12, 13});
   EXPECT_EQ(take(), 13);
   EXPECT_EQ(grabber.dropped(), 3);
-  EXPECT_EQ(script.decoded, 2); // what is dropped costs nothing
+  EXPECT_EQ(script.decoded, 2); // dropped pairs cost nothing
   EXPECT_FALSE(grabber.take(std::chrono::milliseconds(1)));
   EXPECT_FALSE(grabber.hasEnded());
 }

@@ -32,7 +32,7 @@ expectRefused(const std::string& says, const std::string& text)
   EXPECT_TRUE(holds(message, "rig.yaml"));
 }
 
-// The same of a rig that is changed before it is written.
+// Expects a refusal of a rig that is changed before it is written.
 void
 expectRefused(const std::string& says, const std::function<void(StereoRig&)>& change)
 {

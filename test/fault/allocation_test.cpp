@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every allocation fails once.
+// Makes each allocation fail once.
 
 #include "faults.h"
 #include "fuzz/doors.h"
@@ -25,24 +25,24 @@ namespace pcl_semantic {
 
 namespace {
 
-// The first allocations one by one, then every sixteenth or so of those there are.
+// The first allocations one by one, then about every sixteenth.
 long
 nextOf(long n)
 {
   return n + 1 + n / 16;
 }
 
-// Runs something with each of these allocations failing. It has to end as if nothing
-// had happened, or for want of memory, whichever exception says so.
-// \param[in] check called after each
-// \param[in] may_refuse whether BadInputException may say so, too
+// Runs a body with each of these allocations failing. It must end as if nothing had
+// happened, or with an exception for missing memory.
+// \param[in] check called after each run
+// \param[in] may_refuse whether BadInputException is also accepted
 template <typename Body>
 void
 sweep(
     Body&& body, const std::function<void()>& check = [] {}, bool may_refuse = false)
 {
-  const ThreadScope one_thread(1); // allocations of others do not fail
-  body();                          // what is made once is there now
+  const ThreadScope one_thread(1); // other threads' allocations do not fail
+  body();                          // creates objects that are made only once
   check();
   int failures = 0;
   for (long before = 0;; before = nextOf(before)) {
@@ -72,8 +72,7 @@ sweep(
   EXPECT_GT(failures, 0);
 }
 
-// Readers of pictures and YAML, whose libraries say, without memory, that the file is
-// damaged.
+// Readers of images and YAML, whose libraries report missing memory as a damaged file.
 bool
 hasLibrary(const std::string& door)
 {
@@ -102,11 +101,11 @@ TEST(Starved, ReadersRunOutOfMemory)
   const std::filesystem::path corpora = PCL_SEMANTIC_SOURCE_DIR "/test/fuzz/corpus";
   for (const Door& door : doors()) {
     SCOPED_TRACE(door.name);
-    // libtiff 4.5 writes to what it has not got; destructors of nlohmann's JSON take
-    // memory, and end the program without.
+    // libtiff 4.5 writes to memory it failed to allocate. Destructors of nlohmann's
+    // JSON allocate, and end the program if they cannot.
     if (door.name == "image_tif" || door.name == "summary")
       continue;
-#if defined(__SANITIZE_ADDRESS__) // OpenCV leaks pixels that it has no header for
+#if defined(__SANITIZE_ADDRESS__) // OpenCV leaks pixels without a header
     if (door.name.rfind("image_", 0) == 0 ||
         door.name.find("_png") != std::string::npos)
       continue;
@@ -118,7 +117,7 @@ TEST(Starved, ReadersRunOutOfMemory)
         door.read(text);
       }
       catch (const std::exception&) {
-        continue; // one that is refused
+        continue; // a refused one
       }
       sweep([&] { door.read(text); }, [] {}, hasLibrary(door.name));
       break;
@@ -126,7 +125,7 @@ TEST(Starved, ReadersRunOutOfMemory)
   }
 }
 
-// After a scan that found no memory the map can still be used.
+// After a scan without memory the map can still be used.
 TEST(Starved, TheMapRunsOutOfMemory)
 {
   const LabelledScan scan = makeRandomScan(200, 3.0f, 3, 1);
@@ -173,7 +172,7 @@ TEST(Starved, TheCrfRunsOutOfMemory)
       crf.filter(refined);
       return refined;
     };
-    for (auto& point : *cloud) // so that a cloud that was not refined shows
+    for (auto& point : *cloud) // to detect a cloud that was not refined
       point.label = 0;
     const pcl::PointCloud<pcl::PointXYZRGBL> expected = refine();
     sweep([&] {
@@ -185,7 +184,7 @@ TEST(Starved, TheCrfRunsOutOfMemory)
   }
 }
 
-// Whatever allocation fails, the archive is as it was last committed.
+// After any failed allocation, the archive has its last committed state.
 TEST(Starved, TheArchiveRunsOutOfMemory)
 {
   const TemporaryFolder folder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every call to the disk fails once, or the power does.
+// Makes each disk call fail once, or simulates a power loss.
 
 #include "faults.h"
 
@@ -30,7 +30,8 @@ expectSound(const std::string& path, int commits)
   expectCommitted(MapArchive(path, ArchiveAccess::read), commits);
 }
 
-// Alone it is sound, or refused; and another program may bring the log into the file.
+// Requires a valid or refused archive without its log; and another program may merge
+// the log into the file.
 void
 expectSoundElsewhere(const std::string& path, int commits)
 {
@@ -47,8 +48,8 @@ expectSoundElsewhere(const std::string& path, int commits)
   EXPECT_NO_THROW(expectSound(path, commits));
 }
 
-// The files of an archive as a disk may keep them that was told to write the first
-// calls of a list, and lost its power: what was flushed is there, of the rest any part.
+// Possible files of an archive after a power loss during a list of calls: flushed data
+// exists, and any part of the rest.
 class Disk {
 public:
   Disk(std::map<std::string, std::string> files, const std::vector<DiskCall>& calls,
@@ -102,7 +103,7 @@ private:
     }
   }
 
-  // That a file is gone is flushed with its folder.
+  // The removal of a file is flushed with its folder.
   static bool
   isFlushedBy(const DiskCall& call, const std::string& path)
   {
@@ -149,7 +150,7 @@ TEST(Disk, NoFailedCallLosesWhatWasCommitted)
         catch (const OutputException& error) {
           EXPECT_TRUE(holds(error.what(), path));
         }
-        catch (const BadInputException& error) { // it could not be read back
+        catch (const BadInputException& error) { // unreadable
           EXPECT_TRUE(holds(error.what(), path));
         }
         has_failed = call.hasFailed();
@@ -175,7 +176,7 @@ TEST(Disk, WithoutPowerNothingCommittedIsLost)
   std::vector<std::size_t> ends; // calls before the end of each commit
   {
     const DiskRecorder recorder(folder.path());
-    SqliteDatabase::max_log = 40; // it is begun anew on the way
+    SqliteDatabase::max_log = 40; // forces a new log on the way
     MapArchive archive(path, ArchiveAccess::write);
     int commits = 0;
     commitTimes(kCommits, archive, commits,
@@ -190,7 +191,7 @@ TEST(Disk, WithoutPowerNothingCommittedIsLost)
     const Disk disk(begun, calls, count);
     const int commits = int(std::count_if(
         ends.begin(), ends.end(), [&](std::size_t end) { return end <= count; }));
-    for (int kept = 0; kept <= 4; ++kept) { // none, some, all of what was not flushed
+    for (int kept = 0; kept <= 4; ++kept) { // none, some, or all of the unflushed data
       SCOPED_TRACE(std::to_string(count) + " calls, " + std::to_string(kept));
       for (const auto& file : fs::directory_iterator(later.path()))
         fs::remove(file);
@@ -205,8 +206,8 @@ TEST(Disk, WithoutPowerNothingCommittedIsLost)
   }
 }
 
-// A run of the program, of whose calls one goes wrong: it says so, or goes on without
-// harm, and the archive is sound.
+// Makes one call of a run of the program fail. The program reports it or continues
+// without harm, and the archive is valid.
 TEST(Disk, NoFailedCallOfARunLosesWhatWasCommitted)
 {
 #if defined(__SANITIZE_ADDRESS__)

@@ -27,7 +27,7 @@ namespace {
 
 constexpr long never = -1;
 
-// Another model of thread-local storage may itself call malloc in a preloaded library.
+// Other models of thread-local storage may call malloc in a preloaded library.
 #define PCL_SEMANTIC_THREAD_LOCAL                                                      \
   __attribute__((tls_model("initial-exec"))) thread_local
 PCL_SEMANTIC_THREAD_LOCAL long allocations_left = never;
@@ -47,7 +47,7 @@ std::atomic<long> calls{0};
 std::atomic<bool> call_failed{false};
 CallFault call_fault = CallFault::fails;
 
-// Standard streams are no files.
+// Standard streams do not count as files.
 bool
 isCallToFail(int descriptor = INT_MAX)
 {
@@ -85,7 +85,7 @@ record(int descriptor, DiskCall::Kind kind, std::int64_t offset, const void* byt
         {name, kind, offset, std::string(static_cast<const char*>(bytes), size)});
 }
 
-// A transfer of bytes that may go wrong: `call` does so many of them.
+// A transfer of bytes that may fail: `call` transfers the given number.
 template <typename Call>
 ssize_t
 transfer(int descriptor, std::size_t size, Call&& call)
@@ -97,7 +97,7 @@ transfer(int descriptor, std::size_t size, Call&& call)
   return failed();
 }
 
-// For programs that it is preloaded into.
+// For programs with this preloaded library.
 struct Environment {
   Environment()
   {

@@ -8,31 +8,31 @@
 
 namespace pcl_semantic {
 
-/** \brief As long as it lives, one allocation of this thread fails: malloc and its kin
- * give null, operator new throws. Under sanitizers, whose malloc stays theirs, operator
- * new alone. */
+/** \brief Makes one allocation of this thread fail during its lifetime: malloc and
+ * similar functions return null, operator new throws. With sanitizers, which keep their
+ * own malloc, only operator new fails. */
 class FailingAllocation {
 public:
-  /** \param[in] before allocations that succeed before it */
+  /** \param[in] before number of allocations that succeed first */
   explicit FailingAllocation(long before);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
 
-  /** \brief Whether it has failed already. */
+  /** \brief Whether the allocation has failed already. */
   bool hasFailed() const;
 };
 
-/** \brief How a system call goes wrong. */
+/** \brief Failure of a system call. */
 enum class CallFault {
-  fails,     ///< does nothing and gives EIO
-  disk_full, ///< does nothing and gives ENOSPC
-  is_short   ///< reads or writes half of what it should; others fail
+  fails,     ///< does nothing and returns EIO
+  disk_full, ///< does nothing and returns ENOSPC
+  is_short   ///< reads or writes half of its bytes; others fail
 };
 
-/** \brief As long as it lives, one call of this process that changes or reads a file
- * (write, pwrite, read, pread, ftruncate, fsync, fdatasync, rename, unlink) goes wrong.
- */
+/** \brief Makes one call of this process that changes or reads a file (write, pwrite,
+ * read, pread, ftruncate, fsync, fdatasync, rename, unlink) fail during its
+ * lifetime. */
 class FailingCall {
 public:
   FailingCall(CallFault fault, long before);
@@ -43,7 +43,7 @@ public:
   bool hasFailed() const;
 };
 
-/** \brief What a process asks of the disk, in order. */
+/** \brief Disk operation of a process. */
 struct DiskCall {
   enum class Kind { write, truncate, sync, remove };
 
@@ -53,8 +53,8 @@ struct DiskCall {
   std::string bytes;
 };
 
-/** \brief As long as it lives, records what this process does to files whose path
- * begins with something. */
+/** \brief Records the operations of this process on files whose path has a prefix,
+ * during its lifetime. */
 class DiskRecorder {
 public:
   explicit DiskRecorder(const std::string& begin_of_path);

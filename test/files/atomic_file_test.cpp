@@ -148,7 +148,7 @@ TEST(MakeOutputFolder, MakesTheParentsAndLeavesNothing)
   }
 }
 
-// What a kill leaves, and nothing that somebody may still write.
+// Removes the files of killed processes, but no file that a process may still write.
 TEST(MakeOutputFolder, RemovesTheTemporariesOfEndedProcesses)
 {
   namespace fs = std::filesystem;

@@ -277,7 +277,7 @@ TEST(LabelledCloudFile, OtherFieldsSurvive)
   EXPECT_EQ(PcdColumn(table, 1)(1), 2.0);
   EXPECT_EQ(PcdColumn(table, 3)(0), 0.123456789012);
   EXPECT_EQ(PcdColumn(table, 5)(0, 2), 9.0);
-  EXPECT_EQ(PcdColumn(table, 6)(0), 5.0); // not numbered anew
+  EXPECT_EQ(PcdColumn(table, 6)(0), 5.0); // keeps its number
   EXPECT_EQ(PcdColumn(table, 7)(1, 0), 0.75);
 }
 

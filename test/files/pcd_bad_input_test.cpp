@@ -162,7 +162,7 @@ TEST(BadPcd, AHeaderThatSaysSomethingElse)
            {&Lines::data, "line 11: '1'", {""}},
            {&Lines::data, "line 10: DATA is 'Ascii'", {"DATA Ascii"}},
            {&Lines::data, "line 10: DATA has", {"DATA ascii binary"}},
-           // PCL goes on reading its header behind DATA.
+           // PCL continues to read its header after DATA.
            {&Lines::content,
             "line 11: 'FIELDS' is not a number",
             {"FIELDS x\n1 2 3\n4 5 6\n7 8 9\n1 2 3"}}})

@@ -42,7 +42,8 @@ windingWay(double nod, double first_heading = 0.0)
   return poses;
 }
 
-// The same of a camera on the body, in the same world, or in the first camera's frame.
+// The same trajectory for a camera on the body, in the same world, or in the first
+// camera's frame.
 Trajectory
 ofCamera(Trajectory poses, PoseFrame frame)
 {

@@ -148,7 +148,7 @@ TEST(ScanFile, ColumnsOfAnotherTypeAreRefused)
       [] { parseScanColumns("x:f8,y:f8,z:f8"); }));
 }
 
-// Columns that are alike say nothing of their number, but no intensity is negative.
+// Equal columns do not reveal their number, but intensities are never negative.
 TEST(ScanFile, RefusesNegativeIntensitiesAndText)
 {
   const TemporaryFolder folder;
@@ -280,7 +280,7 @@ TEST(ScanFile, LabelsLieBesideThePathThatWasGiven)
   fs::current_path(folder.path("B"));
   EXPECT_EQ(labelOf("velodyne/000000.bin"), 2u);
   EXPECT_EQ(labelOf("./velodyne/000000.bin"), 2u);
-  ::setenv("PWD", folder.path("B/velodyne").c_str(), 1); // as a shell says it
+  ::setenv("PWD", folder.path("B/velodyne").c_str(), 1); // as in a shell
   fs::current_path(folder.path("B/velodyne"));
   EXPECT_EQ(labelOf("000000.bin"), 2u);
   EXPECT_EQ(labelOf("./000000.bin"), 2u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a user may rely on besides the mathematics: places, types, bad input.
+// Guarantees besides the mathematics: indices, types, bad input.
 
 #include "superpixels/slic_cliques.h"
 #include "support/plain_cloud_crf.h"
@@ -131,7 +131,8 @@ TEST(CRFPlaces, APointFarOffHurtsNoOther)
         crf.setParameters(parameters);
         results.push_back(refine(crf, input));
         (*input.cloud)[far] = kept;
-        // Alone, it keeps its measurement; the others hear the same without it.
+        // An isolated point keeps its measurement; the results of the others do not
+        // change.
         EXPECT_LT((results.back().col(Eigen::Index(far)) -
                    input.distributions.matrix().col(Eigen::Index(far)))
                       .cwiseAbs()
@@ -390,7 +391,7 @@ TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
   made.setCliqueGenerator(std::make_shared<CubeCliques>(0.4));
   const Eigen::MatrixXf expected = refine(given, input);
   EXPECT_EQ(refine(made, input), expected);
-  // What is set last is in force.
+  // The last setting is used.
   made.setCliques({});
   EXPECT_NE(refine(made, input), expected);
   made.setCliqueGenerator(std::make_shared<CubeCliques>(0.4));
@@ -399,7 +400,7 @@ TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
   EXPECT_THROW(refine(made, input), InvalidParameterException);
 }
 
-// Groups nothing, and keeps what it was given.
+// Makes no groups, and stores its input.
 struct Watcher : CliqueGenerator {
   std::vector<pcl::PointIndices>
   generate(const CliqueGenerator::Cloud& cloud) override

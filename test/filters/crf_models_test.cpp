@@ -47,7 +47,8 @@ struct Setting {
         clique.push_back(clique.front() + 1);
     cliques.push_back(allIndices(points)); // no point is in no clique
     cliques.insert(cliques.begin(), {0, 5, 10});
-    // Certain where their neighbours are not: the cost of what is ruled out counts.
+    // Certain where their neighbours are uncertain: the cost of the excluded classes
+    // counts.
     input.distributions.matrix().col(7) << 0.0f, 1.0f, 0.0f, 0.0f;
     input.distributions.matrix().col(8) << 0.5f, 0.0f, 0.5f, 0.0f;
     parameters.iterations = 3;
@@ -291,7 +292,7 @@ TEST(CRFModels, AKernelOfTheCallersOwn)
       1e-5f);
 }
 
-// Two groups of points that hear nothing of each other; in the second none is measured.
+// Two groups of points out of reach of each other; the second has no measurement.
 CrfCloud
 makeIslands(int classes)
 {
@@ -322,12 +323,12 @@ TEST(CRFModels, WhatHearsOfNoLabelStaysUnlabelled)
     for (std::size_t i = 25; i < 50; ++i)
       labelled += output[i].label == 1 ? 1 : 0;
     EXPECT_EQ(labelled, classes == 1 ? 0 : 25)
-        << classes; // of one class nothing is heard
+        << classes; // one class gives no messages
     for (std::size_t i = 50; i < 100; ++i)
       EXPECT_EQ(output[i].label, kUnlabelled) << classes;
     if (classes != 2)
       continue;
-    Eigen::MatrixXf costs(2, 2); // a matrix that prefers a class by itself
+    Eigen::MatrixXf costs(2, 2); // a matrix that prefers a class
     costs << 0.0f, 0.5f, 1.0f, 0.0f;
     crf.setCompatibility(costs);
     crf.filter(output);

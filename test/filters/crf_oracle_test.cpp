@@ -134,7 +134,7 @@ plainResult(const Problem& problem)
       field.q.array().max(1e-300).pow(1.0 / parameters.temperature).matrix();
   for (Eigen::Index i = 0; i < result.cols(); ++i)
     result.col(i) /= result.col(i).sum();
-  double heard = 0.0; // the most that a point hears of all others
+  double heard = 0.0; // maximum sum of the messages to a point
   for (const Eigen::MatrixXf& kernel : crf.kernels)
     heard += double(kernel.rowwise().sum().maxCoeff());
   return {result, 1e-3 + parameters.iterations * heard / 256.0};

@@ -49,7 +49,7 @@ floorVoxels()
   return voxels;
 }
 
-// Measures the voxels of a ball anew.
+// Adds measurements to the voxels of a ball.
 void
 measure(VoxelCloud& voxels, const Eigen::Vector3f& centre, float radius)
 {

@@ -221,7 +221,7 @@ TEST(LabelVoxelGrid, KeepsThePointNearestToTheMeanWithTheMostFrequentLabel)
   EXPECT_EQ(output.data.size(), output.row_step);
   EXPECT_EQ(thin[0].x, 0.05f);
   EXPECT_EQ(thin[0].label, 3u);
-  EXPECT_EQ(thin[1].label, 3u); // 0 says nothing
+  EXPECT_EQ(thin[1].label, 3u); // 0 is no measurement
   EXPECT_EQ(thin[2].label, 1u);
 }
 
@@ -304,7 +304,7 @@ TEST(PointCloud2Filters, GiveNothingOfNothing)
   }
 }
 
-// One point at 0 0 0 may be real; several are what a scanner gives for no return.
+// One point at 0 0 0 may be real; several are a scanner's no-returns.
 TEST(PointCloud2Filters, PassOverNoReturns)
 {
   for (const std::size_t zeros : {1u, 2u, 40u}) {
@@ -358,7 +358,7 @@ TEST(PointCloud2Filters, RowsNeedTheirSize)
   EXPECT_TRUE(
       holds(thrownMessage<InvalidParameterException>([&] { PcdTable table(*blob); }),
             "row_step is 0, expected at least"));
-  Blob nothing; // of so many points that their bytes are 0 in 64 bits
+  Blob nothing; // the product of its size is 0 in 64 bits
   nothing.width = nothing.height = 1u << 31;
   for (const pcl::uindex_t step : {0u, 1u << 31}) {
     nothing.point_step = nothing.row_step = step;

@@ -29,7 +29,7 @@ corpusOf(const Door& door)
 
 } // namespace
 
-// What fuzzing has found, and one of each kind that is read.
+// Files found by fuzzing, and one of each format.
 TEST(Corpus, EachFileIsReadOrRefused)
 {
   for (const Door& door : doors()) {

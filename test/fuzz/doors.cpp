@@ -80,7 +80,7 @@ readDepthImage(const std::string& bytes)
   readDepths(fileOf(bytes, "depth.png"));
 }
 
-// One tile is there, with a block: the index of the corpus names it.
+// Creates the one tile, with a block, that is named by the corpus's index.
 void
 readTileIndex(const std::string& bytes)
 {
@@ -97,7 +97,7 @@ readTileIndex(const std::string& bytes)
   TiledMap(fileOf(bytes, "map.tiles"));
 }
 
-// The label set that the corpus names is beside it.
+// The label set named by the corpus is beside it.
 void
 readNetworkFile(const std::string& bytes)
 {
@@ -107,7 +107,7 @@ readNetworkFile(const std::string& bytes)
   readNetworkDescription(fileOf(bytes, "net.yaml"));
 }
 
-// A fault of ours, which no test takes for a refusal.
+// Throws an exception that no test accepts as a refusal.
 void
 require(bool is_right, const char* what)
 {

@@ -6,19 +6,17 @@
 
 namespace pcl_semantic {
 
-/** \brief One way that bytes of somebody else come in: a reader of a file, or of a part
- * of one. */
+/** \brief An entry for external bytes: a reader of a file, or of a part of one. */
 struct Door {
-  std::string name; ///< and of the folder of its corpus
+  std::string name; ///< also of the folder of its corpus
   void (*read)(const std::string& bytes);
 };
 
-/** \brief All of them, by name. */
+/** \brief All doors, by name. */
 const std::vector<Door>& doors();
 
-/** \brief Sends bytes through a door. They may be refused by BadInputException or
- * BadModelException with a message; whatever else is thrown is a fault, and so is what
- * the sanitizers see. */
+/** \brief Sends bytes through a door. BadInputException or BadModelException with a
+ * message may refuse them; other exceptions and reports of sanitizers are faults. */
 void tryDoor(const Door& door, const std::string& bytes);
 
 } // namespace pcl_semantic

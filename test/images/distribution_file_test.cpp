@@ -175,7 +175,7 @@ TEST(ReadDistributions, PngIdsGetTheStatedConfidence)
   EXPECT_NEAR(distributions.matrix()(4, j), 0.8f, 1e-6);
   EXPECT_NEAR(distributions.matrix()(0, j), 0.05f, 1e-6);
   EXPECT_EQ(distributions.mapLabel(0), kUnlabelled);
-  // What is written are the most probable classes.
+  // The file contains the most probable classes.
   writeLabelIds(folder.path("b.png"), distributions, width);
   EXPECT_EQ(read(folder.path("b.png")).matrix(), distributions.matrix());
   thrownMessage<InvalidParameterException>(

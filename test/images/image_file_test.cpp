@@ -125,7 +125,7 @@ TEST(ReadPng, RefusesSizesThatAreNoCameraImage)
        {std::pair(1, 1), std::pair(9, 1), std::pair(1, 9)})
     EXPECT_TRUE(refuses(encoded(".png", randomImage(rows, columns, CV_8UC1)),
                         ImageKind::labels));
-  // A header that promises a million rows and columns, with a valid check sum.
+  // A header that promises a million rows and columns, with a valid checksum.
   std::string bytes = encoded(".png", randomImage(9, 9, CV_8UC1));
   bytes.replace(16, 8, bigEndian(1000000) + bigEndian(1000000));
   bytes.replace(29, 4, bigEndian(crc32(bytes.substr(12, 17))));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a damaged or foreign file may do: be refused, or do no harm.
+// Damaged or foreign files are refused or do no harm.
 
 #include "io/archive_database.h"
 #include "io/block_encoding.h"
@@ -215,7 +215,7 @@ TEST_F(DamagedArchive, ForeignFiles)
                     "other-wal: is left of an earlier archive"));
 }
 
-// Behind a checksum that fits, as somebody who means harm would write it.
+// Hostile bytes with a valid checksum.
 TEST(BlockEncoding, HostileBytesAreRefused)
 {
   const VoxelIndex index(1, -2, 3);
@@ -226,7 +226,7 @@ TEST(BlockEncoding, HostileBytesAreRefused)
     const std::string bad = mutate(std::string(good.begin(), good.end()));
     try {
       const auto block = decodeBlock(Bytes(bad.begin(), bad.end()), index, 3);
-      // What is accepted is a block like any other.
+      // An accepted block is valid.
       EXPECT_EQ(encodeBlock(index, *block, 3), Bytes(bad.begin(), bad.end()));
     }
     catch (const BadInputException&) {

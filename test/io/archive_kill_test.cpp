@@ -26,7 +26,7 @@ const char* const calls[] = {"write",  "pwrite",    "pwrite64", "ftruncate",
                              "unlink", "fallocate", "open"};
 int calls_left = 0;
 
-// Stands for one of the calls: the process ends there, or goes on with what was meant.
+// Replaces a system call: the process ends in it, or performs the original call.
 template <std::size_t call> sqlite3_syscall_ptr meant = nullptr;
 
 template <std::size_t call, typename... Arguments>
@@ -81,7 +81,7 @@ runUntil(int calls_before, const std::function<void()>& write)
 
 constexpr int kCommits = 2;
 
-// \param[in] max_log after how many pages the log goes into the file and is begun anew
+// \param[in] max_log pages after which the log is merged into the file and restarted
 void
 killAndRead(int max_log)
 {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What they do, before they close the file.
+// Their actions before they close the file.
 const char* const actions[] = {"SELECT * FROM meta",
                                "PRAGMA wal_checkpoint(TRUNCATE); SELECT * FROM meta",
                                "PRAGMA wal_checkpoint(PASSIVE)",
@@ -29,8 +29,8 @@ refusalOf(const std::string& path, ArchiveAccess access = ArchiveAccess::read)
   return thrownMessage<BadInputException>([&] { MapArchive(path, access); });
 }
 
-// What is in the file alone is these blocks, or it is refused.
-// Returns whether it is refused.
+// The file without its log contains these blocks, or is refused. Returns whether it is
+// refused.
 bool
 isRefusedAlone(const std::string& path, const Blocks& blocks)
 {
@@ -59,7 +59,7 @@ protected:
     archive.commit({});
   }
 
-  // What a kill leaves.
+  // Copies the files of a killed writer.
   std::string
   killedCopyOf(const std::string& path, const std::string& name)
   {
@@ -71,7 +71,7 @@ protected:
     return folder_.path(name);
   }
 
-  // Reads it and goes on with it.
+  // Reads it and continues it.
   void
   expectWhole(const std::string& path)
   {
@@ -129,7 +129,7 @@ TEST_F(OtherPrograms, NothingIsLackingAfterAKilledRun)
   };
   commitTo(*writer);
   tryAll();
-  // So much that the log is brought into the file and begun anew on the way.
+  // Enough to merge the log into the file and restart it.
   const std::uintmax_t size = fs::file_size(path_);
   while (fs::file_size(path_) == size)
     commitTo(*writer, 30);

@@ -81,7 +81,7 @@ public:
     }
   }
 
-  // What was committed is there in the end.
+  // All committed blocks exist at the end.
   void
   end()
   {
@@ -145,7 +145,7 @@ private:
     }
   }
 
-  // It sees what was committed before it came, whatever happens later.
+  // It reads the blocks committed before it was opened, regardless of later commits.
   void
   openReader()
   {
@@ -153,7 +153,7 @@ private:
     seen_by_reader_ = committed_;
   }
 
-  // What was not committed is lost, with a word or without.
+  // Uncommitted blocks are lost, with or without a message.
   void
   close()
   {

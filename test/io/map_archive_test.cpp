@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What is said to a program that may not write.
+// Error message for a program that may not write.
 std::string
 refusalOf(const std::function<void()>& write)
 {
@@ -299,8 +299,8 @@ TEST(MapArchive, BlocksThatDoNotFitAreRefused)
   }
 }
 
-// Somebody still reads when the writer ends: the archive then is two files, and one of
-// them alone is refused.
+// A program still reads when the writer ends: the archive then has two files, and
+// either one alone is refused.
 TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
 {
   const TemporaryFolder folder;

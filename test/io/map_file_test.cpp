@@ -177,7 +177,7 @@ TEST(MapFile, AMapInAnArchiveIsTheSameMap)
   EXPECT_TRUE(box.isApprox(extent.box));
 }
 
-// Written by the build of 2026-11-26: what it stores is read by all later ones.
+// Written by the build of 2026-11-26; all later builds must read it.
 TEST(MapReader, ReadsAnEarlierArchive)
 {
   const std::string path =

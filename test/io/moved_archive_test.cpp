@@ -14,7 +14,7 @@ namespace {
 constexpr int classes = 3;
 constexpr double voxel_size = 0.25; // of makeArchiveHeader()
 
-// A cube of 4 x 4 x 4 random blocks, but for some.
+// A cube of 4 x 4 x 4 random blocks with gaps.
 Blocks
 cubeOfBlocks()
 {
@@ -84,7 +84,7 @@ TEST_F(MovedMap, KeepsEveryBitByWholeBlocks)
     EXPECT_TRUE(areSameBlocks(block, blocks_.at(index - blocks), classes));
 }
 
-// Each voxel anew, by where its centre comes from.
+// Computes each voxel from the source of its centre.
 TEST_F(MovedMap, IsWhatAVoxelsCentreComesFrom)
 {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

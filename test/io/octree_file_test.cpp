@@ -36,7 +36,7 @@ stateIn(const octomap::OcTree& tree, const Eigen::Vector3d& point)
   return tree.isNodeOccupied(*node) ? State::occupied : State::free;
 }
 
-// A box around everything: what is not in the scene is unknown.
+// A box around everything; voxels outside the scene are unknown.
 void
 expectSameStates(const octomap::OcTree& tree, const VoxelScene& scene)
 {

@@ -45,7 +45,7 @@ someSamples(std::size_t count)
     samples.truth[i] = kUnlabelled;
     samples.network.matrix().col(Eigen::Index(i) + 3).setZero();
   }
-  samples.truth[3] = 3; // where the network says nothing: no sample of class 3
+  samples.truth[3] = 3; // no prediction: no sample of class 3
   return samples;
 }
 

@@ -32,7 +32,7 @@ makeCalibration()
   return calibration;
 }
 
-// One that knows what it has seen.
+// A calibration with histograms of its training data.
 LabelCalibration
 makeExperiencedCalibration()
 {

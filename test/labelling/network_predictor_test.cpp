@@ -170,7 +170,7 @@ protected:
     return sum;
   }
 
-  // What has tests of its own makes distributions of them.
+  // Computes distributions with distributionsFromLogits(), which is tested separately.
   LabelDistributions
   plain(const cv::Mat& image) const
   {

@@ -117,7 +117,7 @@ TEST(OnnxInterface, RefusesDimensionsThatTheDataDoNotFill)
   expectRefused(tensor({large << 12}, 6), "2^40");
   expectRefused(tensor({large, 3, 1, 1}, 6), "2^28");
   expectRefused(tensor({large, large, large}, 6), "2^84");
-  // 2^32 x 2^32 is 0 in 64 bits, and so is what is stored.
+  // 2^32 x 2^32 is 0 in 64 bits, and so is the stored size.
   expectRefused(tensor({large << 4, large << 4}, 0), "wraps to 0");
   expectRefused(tensor({std::uint64_t(-6)}, 6), "negative");
 }

@@ -31,7 +31,7 @@ struct Street {
   std::vector<Eigen::AlignedBox3d> boxes;
 };
 
-// Distance to what a ray from inside the street meets first.
+// Distance to the first hit of a ray from inside the street.
 double
 distanceAlong(const Street& street, const Eigen::Vector3d& from,
               const Eigen::Vector3d& direction)
@@ -122,7 +122,7 @@ TEST(FreeSpace, GrazingRaysLeaveTheRoadWhereItIs)
     for (const int scans : {10, 100})
       EXPECT_GE(leftOfLastScan(Clearing::careful, {}, voxel_size, scans), 0.98)
           << voxel_size << " " << scans;
-  EXPECT_LT(leftOfLastScan(Clearing::full, {}, 0.1, 10), 0.9); // what it is there for
+  EXPECT_LT(leftOfLastScan(Clearing::full, {}, 0.1, 10), 0.9); // its purpose
 }
 
 TEST(FreeSpace, ALowSensorKeepsItsGroundToo)
@@ -143,7 +143,7 @@ countOccupied(const SemanticVoxelMap& map, Eigen::AlignedBox3d box)
   return count;
 }
 
-// Ten scans of a street with a car, ten without it: what is left of the car.
+// Voxels of a car that remain after ten scans with the car and ten without it.
 std::size_t
 leftOfCar(Clearing clearing)
 {

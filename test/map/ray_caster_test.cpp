@@ -143,7 +143,7 @@ TEST(RayCaster, EqualsTheTraversalOfSparseAndShortRays)
   }
 }
 
-// A thousand voxels and more: what the exact traversal multiplies needs 128 bits.
+// For more than a thousand voxels, products of the exact traversal need 128 bits.
 TEST(RayCaster, EqualsTheTraversalOfVeryLongRays)
 {
   std::vector<Eigen::Vector3f> points = makeDenseScan(0.02, 150.0, 7);

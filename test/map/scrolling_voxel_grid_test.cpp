@@ -19,7 +19,7 @@ keyOf(const VoxelIndex& index)
   return {index.x(), index.y(), index.z()};
 }
 
-// The grid with a store behind it, beside an unbounded map that forgets nothing.
+// The grid with a store behind it, compared with an unbounded map.
 class Model {
 public:
   explicit Model(const Eigen::Vector3i& size) : grid_(size) {}

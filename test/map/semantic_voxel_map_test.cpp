@@ -235,7 +235,7 @@ walk(const Eigen::Vector3d& start)
     const double reach = i % 20 == 19 ? 20.0 : 1.0;
     position += reach * Eigen::Vector3d(step(random), step(random), step(random));
     if (i % 30 == 29)
-      position = start; // comes back to what has left
+      position = start; // returns to voxels that left the window
     const LabelledScan scan = makeRandomScan(60, 4.0f, 3, i);
     const Eigen::Isometry3d pose =
         poseAt(position.x(), position.y(), position.z(), 0.1 * i);

@@ -38,7 +38,7 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
       (first * Eigen::Vector3d(0, 1, 0)).isApprox(Eigen::Vector3d(0, 0.06, -1)));
 
   const Eigen::Isometry3d second = poses.pose(frameOf(1, 0.0));
-  // What is ahead of the turned camera lies to the left in the world: +y.
+  // A point ahead of the turned camera lies to the left in the world: +y.
   EXPECT_TRUE(
       (second.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY()));
   EXPECT_TRUE(second.translation().isApprox(Eigen::Vector3d(4.94, 0.0, 0.0)));

@@ -20,7 +20,7 @@ namespace {
 using Voxels = std::vector<VoxelIndex>;
 using Surface = std::vector<Eigen::Array3f>;
 
-constexpr double half_depth = 0.2; // of what is drawn around a surface [voxels]
+constexpr double half_depth = 0.2; // thickness drawn around a surface [voxels]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 StereoCamera
@@ -52,7 +52,7 @@ randomBox(unsigned seed, int side, double chance, const VoxelIndex& corner)
   return voxels;
 }
 
-/** \brief Where a ray is within a half-open box, from the definition. */
+/** \brief Part of a ray within a half-open box, from the definition. */
 std::pair<double, double>
 insideOf(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
          const Eigen::Vector3d& ray)

@@ -24,7 +24,7 @@ namespace {
 
 constexpr Label kRoad = 1, kGrass = 2, kHouse = 3;
 
-/** \brief What ROS makes of the two files: -1 unknown, 0 free, 100 occupied. */
+/** \brief ROS' interpretation of the two files: -1 unknown, 0 free, 100 occupied. */
 struct ReadGrid {
   int width = 0, height = 0;
   double resolution = 0.0, x = 0.0, y = 0.0;
@@ -109,7 +109,7 @@ parameters()
   return parameters;
 }
 
-// What a grid says of the column of a voxel.
+// Value of a grid for the column of a voxel.
 std::optional<int>
 valueAt(const ReadGrid& grid, int x, int y)
 {
@@ -142,7 +142,8 @@ public:
       }
   }
 
-  /** \brief Median of the tops of 5 x 5 columns; beyond the border its own go on. */
+  /** \brief Median of the tops of 5 x 5 columns; beyond the border the outermost column
+   * is repeated. */
   double
   ground(int x, int y) const
   {

@@ -38,7 +38,7 @@ TEST(TryCalibration, EverySequenceCountsAlike)
   EXPECT_GT((one.without[0].bias - one.without[1].bias).norm(), 0.01f);
 }
 
-// What is learned without a sequence is what the others teach.
+// The calibration without a sequence equals the one from the other sequences.
 TEST(TryCalibration, LeavesOneSequenceOut)
 {
   const CalibrationSamples first = someSequence(300, 1), second = someSequence(200, 9);

@@ -106,7 +106,7 @@ TEST(MapSequence, FindsPosesWhereThereAreNone)
   int calls = 0;
   const VoxelCloud given = mapOf(Street(trajectory(3)), calls);
   const VoxelCloud found = mapOf(Street(""), calls);
-  EXPECT_NE(found.indices, given.indices); // not the same to the bit
+  EXPECT_NE(found.indices, given.indices); // not bit-identical
   EXPECT_NEAR(double(found.size()), double(given.size()), 0.05 * double(given.size()));
 }
 

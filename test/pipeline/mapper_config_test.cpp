@@ -23,7 +23,7 @@ writeConfig(const TemporaryFolder& folder, const std::string& text)
   return path;
 }
 
-// What is wrong with a config file.
+// Error message for a config file.
 std::string
 complaintAbout(const std::string& text)
 {

@@ -58,7 +58,7 @@ protected:
     views_.clear();
   }
 
-  // The street itself says where the camera is and what it sees.
+  // The ground truth poses of the street.
   static std::unique_ptr<PoseSource>
   poses()
   {
@@ -239,7 +239,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     const MappedFrame expected = all.process(frame(i));
     const MappedFrame mapped = some.process(frame(i));
     EXPECT_EQ(mapped.network.empty(), i % 3 != 0) << i;
-    // Nothing tells the sky from what is hit.
+    // Without labels the sky counts as a hit.
     EXPECT_EQ(mapped.counts.sky, i % 3 == 0 ? expected.counts.sky : 0u) << i;
     EXPECT_GE(mapped.counts.rays, expected.counts.rays) << i;
     const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
@@ -253,7 +253,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
   });
 }
 
-// What a label predictor says of a frame, later.
+// The predictions of a frame arrive late.
 TEST_F(Street, LabelsMayComeLater)
 {
   MapperConfig config;
@@ -269,7 +269,7 @@ TEST_F(Street, LabelsMayComeLater)
   }
   EXPECT_EQ(late.frames(), frames);
   later.finish();
-  // Nothing tells the sky from what is hit; all else is as if they had been there.
+  // Without labels the sky counts as a hit; all other values equal those with labels.
   const VoxelCloud expected = at_once.map().occupied(), found = later.map().occupied();
   std::map<std::array<int, 3>, std::size_t> at;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -323,16 +323,16 @@ TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)
   config.crf_parameters.temperature = 1.0;
   SemanticMapper apart = makeMapper(config);
   config.crf_write_back = true;
-  config.crf_parameters.temperature = 3.0; // not of what is written back
+  config.crf_parameters.temperature = 3.0; // not the written-back distributions
   SemanticMapper back = makeMapper(config);
   const MappedFrame first_apart = apart.process(frame(0));
   const MappedFrame first = back.process(frame(0));
-  // A frame's CRF starts from the same measurements; what the map then holds differs.
+  // A frame's CRF starts from the same measurements; only the stored result differs.
   EXPECT_TRUE(first.voxels.measured.matrix() == first_apart.voxels.measured.matrix());
   EXPECT_TRUE(first.voxels.refined.matrix() == first_apart.voxels.refined.matrix());
   const VoxelCloud kept = back.map().occupied();
   EXPECT_LT((kept.measured.matrix() - kept.refined.matrix()).cwiseAbs().maxCoeff(),
-            0.002f); // but for the clamp
+            0.002f); // except for the clamp
   EXPECT_TRUE(apart.map().occupied().measured.matrix() ==
               first_apart.voxels.measured.matrix());
 

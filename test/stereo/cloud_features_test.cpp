@@ -16,7 +16,7 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
-/** \brief What a point of TiltedStreet lies on. */
+/** \brief Surfaces of TiltedStreet. */
 enum class Surface { none, ground, kerb, wall };
 
 /** \brief A road, a pavement on its right and a wall behind that, to 40 m, seen by a
@@ -283,7 +283,7 @@ TEST(CloudFeatures, SideIsAlongTheGround)
   const auto features = cloudFeatures(cloud, rolled);
   EXPECT_NEAR(features[0][Feature::side], 3.0 * std::cos(roll) - std::sin(roll), 1e-5);
   EXPECT_NEAR(features[4][Feature::side], 3.0 * std::cos(roll) + std::sin(roll), 1e-5);
-  // Pitch does not move what is to the right.
+  // Pitch does not move points to the right.
   const Eigen::Hyperplane<double, 3> pitched(
       Eigen::Vector3d(0.0, -std::cos(roll), std::sin(roll)), 1.5);
   EXPECT_NEAR(cloudFeatures(cloud, pitched)[0][Feature::side], 3.0, 1e-5);

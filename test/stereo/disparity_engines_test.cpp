@@ -18,7 +18,7 @@ namespace {
 
 constexpr int width = 320, height = 120;
 constexpr float far_disparity = 9.0f, near_disparity = 34.0f;
-constexpr float matched_deviation = 0.6f; // what is filled is less sure
+constexpr float matched_deviation = 0.6f; // filled pixels are less certain
 
 cv::Mat
 makeTexture(unsigned seed)

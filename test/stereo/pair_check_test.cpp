@@ -49,8 +49,8 @@ noise(int width, int height, double mean, double deviation, int seed = 1)
   return image;
 }
 
-// Columns d to d + 620 of a texture: the left image sees what the right one sees, d
-// further to the right.
+// Columns d to d + 620 of a texture: the content of the left image is d pixels farther
+// to the right than in the right image.
 Pair
 shifted(const cv::Mat& texture, int d)
 {

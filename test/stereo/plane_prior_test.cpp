@@ -16,7 +16,7 @@ constexpr int width = 133, height = 71, disparities = 64;
 std::vector<SupportPoint>
 pointsOn(const std::function<double(int, int)>& surface)
 {
-  // The corners, too: what is added there has the disparity of the nearest point.
+  // Includes the corners: points added there have the disparity of the nearest point.
   std::vector<SupportPoint> points;
   for (const int v : {0, height - 1})
     for (const int u : {0, width - 1})

@@ -20,8 +20,8 @@ using Cloud = CliqueGenerator::Cloud;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double focal = 707.0;
 
-// What a camera sees whose middle pixel looks ahead; a depth of NaN or less than 0 is
-// none.
+// Simulates a camera whose middle pixel looks ahead; depths of NaN or less than 0 are
+// missing.
 Cloud
 seen(int width, int height, const std::function<double(double x, double y)>& depth)
 {

@@ -98,8 +98,8 @@ TEST(SyntheticScene, ALongerStreetBeginsAlike)
   }
 }
 
-// What the left image says of a point has to be what a ray from the right camera meets:
-// the point itself, or something before it, never something behind it.
+// A point of the left image must agree with a ray from the right camera, which hits the
+// point or a nearer surface, never a farther one.
 TEST(SyntheticRenderer, DisparityAgreesWithTheRightCamera)
 {
   const SyntheticScene scene(1);

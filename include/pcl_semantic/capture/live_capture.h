@@ -10,16 +10,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Whether a name is that of a camera or a stream instead of a file: a number
- * (`0`), a device (`/dev/video0`) or an address (`rtsp://...`). */
+/** \brief Whether a name is a camera or a stream, not a file: a number (`0`), a device
+ * (`/dev/video0`) or an address (`rtsp://...`). */
 bool isCapture(const std::string& name);
 
-/** \brief Opens two cameras or streams; two videos, which are played at their own rate;
- * or, if left and right are the same, one whose images have both sides next to each
- * other.
- * \param[in] files `left` and `right` by name, and the calibration; `times` is not used
- * \throws BadInputException if one cannot be opened, gives no image, both differ in
- * size, or the calibration does not fit */
+/** \brief Opens two cameras or streams, two videos, which are played at their frame
+ * rate, or, if left and right are equal, one source whose images contain both sides
+ * next to each other.
+ * \param[in] files names `left` and `right`, and the calibration; `times` is ignored
+ * \throws BadInputException if a source cannot be opened or gives no image, the sizes
+ * of left and right differ, or the calibration does not fit */
 std::unique_ptr<LiveCamera> openCaptures(const ImagePairFiles& files);
 
 } // namespace pcl_semantic

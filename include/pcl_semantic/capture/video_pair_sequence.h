@@ -9,14 +9,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Stereo pairs of two videos that were taken together, rectified as they are
- * read. Frame n is the n-th image of both, its time n over the frames a second that the
- * left one states, or row n of `times`. Frames are read in order; going back begins
- * anew. Not for use from several threads at once. */
+/** \brief Stereo pairs of two synchronous videos, rectified when read. Frame n is the
+ * n-th image of both. Its time is n divided by the left video's frame rate, or row n of
+ * `times`. Frames are read in order; going back restarts the videos. One instance must
+ * not be used by several threads at once. */
 class VideoPairSequence : public FrameSequence {
 public:
   /** \param[in] files `left` and `right` are videos
-   * \throws BadInputException if one cannot be read, or they differ in size, rate or
+   * \throws BadInputException if one cannot be read, they differ in size, rate or
    * length, or the calibration does not fit */
   explicit VideoPairSequence(const ImagePairFiles& files);
 
@@ -32,7 +32,7 @@ public:
 
   const Eigen::Isometry3d& T_camera0_camera() const override;
 
-  /** \brief Doubts about the calibration, a line each. */
+  /** \brief Doubts about the calibration, one per line. */
   const std::vector<std::string>& doubts() const;
 
 private:

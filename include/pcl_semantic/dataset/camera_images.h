@@ -12,11 +12,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Images of one camera without distortion, by the numbers of their frames.
+/** \brief Undistorted images of one camera, by frame number.
  *
- * Of those of a pattern: if every name is a whole number up to 999999 it is the frame's
- * number; else frame n is the n-th image from 0 in natural order. CloudSequence counts
- * likewise. */
+ * If every name that matches a pattern is an integer up to 999999, it is the frame
+ * number. Otherwise frame n is the n-th image from 0 in natural order. CloudSequence
+ * counts in the same way. */
 class CameraImages {
 public:
   /** \param[in] pattern see findFiles()
@@ -25,12 +25,12 @@ public:
 
   /** \param[in] paths by frame
    * \param[in] camera with its image size
-   * \param[in] name of them all, for messages */
+   * \param[in] name of the sequence, for messages */
   CameraImages(std::map<int, std::string> paths, const StereoCamera& camera,
                std::string name);
 
-  /** \brief The camera with its image size; of a pattern that of the first image, and a
-   * baseline of 1 m that means nothing. */
+  /** \brief The camera with its image size. For a pattern, it has the size of the first
+   * image, and its baseline of 1 m is ignored. */
   const StereoCamera&
   camera() const
   {
@@ -43,8 +43,9 @@ public:
     return paths_.count(frame) > 0;
   }
 
-  /** \brief The image of a frame, CV_8UC3 (BGR) or CV_8UC1.
-   * \throws BadInputException if there is none, or it has not the camera's size */
+  /** \brief Reads the image of a frame, CV_8UC3 (BGR) or CV_8UC1.
+   * \throws BadInputException if it does not exist or does not have the camera's
+   * size */
   cv::Mat image(int frame) const;
 
 private:

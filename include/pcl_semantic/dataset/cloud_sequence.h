@@ -11,20 +11,20 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The clouds (readCloudTable()) of a folder, of any kind, or
- * of a pattern, one a frame, in natural order.
+/** \brief The clouds (readCloudTable()) of a folder or a pattern in natural order, one
+ * per frame.
  *
- * If every name is a whole number up to 999999 (`000012.pcd`) it is the frame's number;
- * else frame n is the n-th cloud from 0. If every name is a time with a fraction
- * (`1403636579.763555.pcd`) it is the frame's time. */
+ * If every name is an integer up to 999999 (`000012.pcd`), it is the frame number.
+ * Otherwise frame n is the n-th cloud from 0. If every name is a time with a fraction
+ * (`1403636579.763555.pcd`), it is the frame's time. */
 class CloudSequence {
 public:
   /** \param[in] pattern see findFiles(): a folder, or `scan-*.pcd`
-   * \param[in] times file of times, row n that of frame n [s]; empty: those of the
-   * names, or ten frames a second
-   * \param[in] columns of `.bin` scans, as readCloudTable() takes them
-   * \throws BadInputException if it matches nothing, two names have one number, or
-   * `times` is damaged or too short */
+   * \param[in] times file of times, row n for frame n [s]; empty = times in the names,
+   * or ten frames per second
+   * \param[in] columns of `.bin` scans, as for readCloudTable()
+   * \throws BadInputException if the pattern matches nothing, two names have one
+   * number, or `times` is damaged or too short */
   explicit CloudSequence(const std::string& pattern, const std::string& times = "",
                          ScanColumns columns = {});
 
@@ -54,12 +54,14 @@ public:
 
   /** \brief Reads the i-th cloud.
    * \param[in] classes L
-   * \param[in] confidence probability of the class that `label` states, where the cloud
-   * has no field `probability`
-   * \param[in] mapping as readLabelledCloud() takes it
-   * \return also PcdTable::doubts, and whether probabilities pass over the mapping
+   * \param[in] confidence probability of the class in `label`, if the cloud has no
+   * field `probability`
+   * \param[in] mapping as for readLabelledCloud()
+   * \return the cloud with PcdTable::doubts, and whether probabilities override the
+   * mapping
    * \throws BadInputException as readLabelledCloud(), if the labels are not of these
-   * classes, or if most points are so far away that they are in the world's frame */
+   * classes, or if most points are so far away that they must be in the world's
+   * frame */
   CloudFrame frame(std::size_t i, int classes, float confidence,
                    const LabelMapping* mapping = nullptr) const;
 

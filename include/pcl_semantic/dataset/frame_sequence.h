@@ -19,11 +19,11 @@ class FrameSequence {
 public:
   virtual ~FrameSequence() = default;
 
-  /** \brief Number of frames that are present. */
+  /** \brief Number of existing frames. */
   virtual std::size_t size() const = 0;
 
-  /** \brief Number of the i-th frame in the whole sequence; may have gaps, if not it
-   * is i. */
+  /** \brief Number of the i-th frame in the whole sequence, i by default; may have
+   * gaps. */
   virtual int
   frameNumber(std::size_t i) const
   {
@@ -37,11 +37,11 @@ public:
    * \throws BadInputException if an image is missing, damaged or of another size */
   virtual StereoFrame frame(std::size_t i) const = 0;
 
-  /** \brief The stereo pair that took the images, their size filled in. */
+  /** \brief The stereo pair, with the size of the images. */
   virtual const StereoCamera& camera() const = 0;
 
-  /** \brief Pose of that pair's left camera in camera 0, the one whose poses are in
-   * trajectory files [m]. */
+  /** \brief Pose of the pair's left camera in camera 0, the reference of trajectory
+   * files [m]. */
   virtual const Eigen::Isometry3d&
   T_camera0_camera() const
   {
@@ -49,7 +49,7 @@ public:
     return identity;
   }
 
-  /** \brief Path of the trajectory that comes with the sequence; empty if none does. */
+  /** \brief Path of the sequence's trajectory; empty if none exists. */
   virtual std::string
   posesPath() const
   {
@@ -69,11 +69,11 @@ struct FrameRange {
   }
 };
 
-/** \brief Reads "A:B", the frames A <= n < B; without A or B open on that side.
- * \throws InvalidParameterException if it is something else or holds no frame */
+/** \brief Parses "A:B", the frames A <= n < B; A and B are optional.
+ * \throws InvalidParameterException if the text is invalid or the range empty */
 FrameRange parseFrameRange(const std::string& text);
 
-/** \brief Positions in a sequence of the frames that a range contains. */
+/** \brief Positions in a sequence of the frames in a range. */
 std::vector<std::size_t> selectFrames(const FrameSequence& sequence,
                                       const FrameRange& range);
 

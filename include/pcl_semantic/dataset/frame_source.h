@@ -17,14 +17,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The sensor that takes frames. */
+/** \brief The sensor of a source. */
 struct FrameSensor {
   std::optional<StereoCamera> camera; ///< none: a scanner
-  /// Its pose in camera 0, whose poses are in trajectory files [m].
+  /// Pose in camera 0, the reference of trajectory files [m].
   Eigen::Isometry3d T_camera0_sensor = Eigen::Isometry3d::Identity();
 };
 
-/** \brief Frames of one sensor, in the order in which they were taken. */
+/** \brief Frames of one sensor, in the order of their times. */
 class FrameSource {
 public:
   virtual ~FrameSource() = default;
@@ -35,7 +35,7 @@ public:
     return sensor_;
   }
 
-  /** \brief Numbers and times of all frames; empty if they come live. */
+  /** \brief Numbers and times of all frames; empty for a live source. */
   const std::vector<FrameTime>&
   frames() const
   {
@@ -46,7 +46,7 @@ public:
    * \throws BadInputException that names the file */
   virtual std::optional<SensorFrame> next() = 0;
 
-  /** \brief Continues with the i-th of frames(); without effect on live frames. */
+  /** \brief Continues with the i-th of frames(); no effect on live frames. */
   virtual void
   seek(std::size_t /*i*/)
   {}
@@ -56,7 +56,7 @@ protected:
   std::vector<FrameTime> frames_;
 };
 
-/** \brief Recorded frames, which a function reads. */
+/** \brief Recorded frames, read by a function. */
 class RecordedFrames : public FrameSource {
 public:
   using Reader = std::function<SensorFrame(std::size_t)>;
@@ -69,7 +69,7 @@ public:
     frames_ = std::move(frames);
   }
 
-  /** \brief The frames of a stereo sequence that a range contains. */
+  /** \brief The frames of a stereo sequence in a range. */
   RecordedFrames(std::shared_ptr<const FrameSequence> sequence,
                  const FrameRange& range);
 

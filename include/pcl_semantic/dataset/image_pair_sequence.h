@@ -10,26 +10,26 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The files of a user's own stereo camera. */
+/** \brief The files of a user's stereo camera. */
 struct ImagePairFiles {
   std::string left;        ///< pattern of PNG files, see findFiles()
-  std::string right;       ///< pattern of as many PNG files
+  std::string right;       ///< pattern of the same number of PNG files
   std::string calibration; ///< see readStereoRig(); `.txt`: see readKittiCalibration()
   std::string extrinsics;  ///< R and T, if not in `calibration`
-  std::string times;       ///< one a row [s]; empty: ten frames a second
+  std::string times;       ///< one per row [s]; empty: ten frames per second
 };
 
-/** \brief Stereo images of any camera by two patterns, rectified as they are read;
- * KITTI's are rectified already.
+/** \brief Stereo images of any camera by two patterns, rectified when read unless they
+ * are KITTI's, which are rectified already.
  *
- * Pairs are made by position in natural order. Frame n is the n-th pair from 0, row n
- * of `times` its time. Camera 0, whose poses a trajectory holds, is the left camera as
- * it was calibrated, before rectification turns it. */
+ * Pairs are formed by position in natural order. Frame n is the n-th pair from 0, and
+ * row n of `times` is its time. Camera 0, the reference of trajectories, is the left
+ * camera before rectification. */
 class ImagePairSequence : public FrameSequence {
 public:
-  /** \throws BadInputException if a pattern matches nothing, there are not as many left
-   * as right images, a pair's names hold different numbers, the calibration cannot be
-   * used or is of images of another size, or `times` is damaged or too short */
+  /** \throws BadInputException if a pattern matches nothing, the numbers of left and
+   * right images differ, a pair's names have different numbers, the calibration is
+   * invalid or for images of another size, or `times` is damaged or too short */
   explicit ImagePairSequence(const ImagePairFiles& files);
 
   std::size_t
@@ -59,7 +59,7 @@ public:
     return pair_.T_camera0_camera;
   }
 
-  /** \brief Doubts about the calibration, a line each. */
+  /** \brief Doubts about the calibration, one per line. */
   const std::vector<std::string>&
   doubts() const
   {
@@ -75,11 +75,11 @@ public:
 
 private:
   std::vector<std::string> left_, right_; ///< paths
-  std::vector<double> times_;             ///< [s]; empty: ten frames a second
+  std::vector<double> times_;             ///< [s]; empty: ten frames per second
   RectifiedPair pair_;
 };
 
-/** \brief Whether a name is that of a video: `.mp4 .avi .mkv .mov`. */
+/** \brief Whether a path is a video: `.mp4 .avi .mkv .mov`. */
 bool isVideo(const std::string& path);
 
 } // namespace pcl_semantic

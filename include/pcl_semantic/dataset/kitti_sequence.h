@@ -14,15 +14,15 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  *
  * A folder with `calib.txt`, the images `image_2`, `image_3` (colour) or `image_0`,
  * `image_1` (grey) named by frame number (`000012.png`), and optionally `times.txt` and
- * `poses.txt`. The images decide which frames there are, so numbers may have gaps; row
- * n of `times.txt` and `poses.txt` belongs to frame n, whether it is there or not. */
+ * `poses.txt`. The images define the frames, so numbers may have gaps. Row n of
+ * `times.txt` and `poses.txt` belongs to frame n, also if frame n is missing. */
 class KittiSequence : public FrameSequence {
 public:
-  /** \brief Looks at everything but the images behind the first.
+  /** \brief Checks all files, except the content of the images after the first.
    * \param[in] folder the sequence
-   * \param[in] cameras which pair to read
+   * \param[in] cameras pair to read
    * \throws BadInputException if there are no images, an image has no partner, the
-   * calibration cannot be used, or `times.txt` is damaged or too short */
+   * calibration is invalid, or `times.txt` is damaged or too short */
   explicit KittiSequence(const std::string& folder,
                          KittiCameras cameras = KittiCameras::automatic);
 
@@ -45,7 +45,7 @@ public:
     return frames_.at(i).left;
   }
 
-  /** \brief That of `times.txt` or, without it, 0.1 s times the frame number. */
+  /** \brief Time in `times.txt` or, without the file, 0.1 s times the frame number. */
   double
   timestamp(std::size_t i) const override
   {
@@ -66,7 +66,7 @@ public:
     return calibration_.T_camera0_camera;
   }
 
-  /** \brief Whether the calibration holds the pose of the laser scanner. */
+  /** \brief Whether the calibration has the pose of the laser scanner. */
   bool
   hasVelodyne() const
   {
@@ -74,7 +74,7 @@ public:
   }
 
   /** \brief Pose of the laser scanner in camera 0 [m].
-   * \throws BadInputException if the calibration does not hold it */
+   * \throws BadInputException if the calibration does not have it */
   const Eigen::Isometry3d& T_camera0_velodyne() const;
 
   /** \brief Path of `poses.txt`; empty if there is none. */

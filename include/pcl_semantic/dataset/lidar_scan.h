@@ -15,31 +15,31 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Reads a scan of KITTI's Velodyne (`velodyne/\*.bin`: float32 x, y, z,
- * reflectance a point).
+/** \brief Reads a scan of KITTI's Velodyne (`velodyne/\*.bin`: per point, float32 x, y,
+ * z, reflectance).
  * \return points in the scanner's frame (x forward, y left, z up) [m], intensity =
- * reflectance; points that are no measurement (isReturn()) keep their place
+ * reflectance, including no-returns (isReturn())
  * \param[in] columns of another scanner, see readCloudTable(); without intensity it is
- * 0 \throws BadInputException if it holds no points, half a point, a non-finite number,
- * or other columns
- */
+ * 0
+ * \throws BadInputException if the file contains no points, an incomplete point, a
+ * non-finite number, or other columns */
 pcl::PointCloud<pcl::PointXYZI>::Ptr readVelodyneScan(const std::string& path,
                                                       const ScanColumns& columns = {});
 
-/** \brief Reads the labels of a scan as SemanticKITTI writes them (`labels/\*.label`:
- * uint32 a point, the lower 16 bits are the class, the upper ones the instance).
+/** \brief Reads the labels of a scan in SemanticKITTI's format (`labels/\*.label`:
+ * uint32 per point; the lower 16 bits are the class, the upper ones the instance).
  * \param[in] path file
  * \param[in] mapping raw class ids to labels
  * \param[in] count number of points of the scan
- * \return one label a point
+ * \return one label per point
  * \throws BadInputException unless there are \a count labels */
 std::vector<Label> readSemanticKittiLabels(const std::string& path,
                                            const LabelMapping& mapping,
                                            std::size_t count);
 
-/** \brief Reads such a file whose classes are ours already, of any number of points.
+/** \brief Reads a file in the same format, without mapping, for any number of points.
  * \param[in] classes L
- * \throws BadInputException if it holds half a label or a class beyond L */
+ * \throws BadInputException if it contains an incomplete label or a class beyond L */
 std::vector<Label> readScanLabels(const std::string& path, int classes);
 
 /** \brief Writes labels in the same format. \throws OutputException */

@@ -12,27 +12,27 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A stereo camera, or what plays its part, whose pairs come by themselves: at
- * their own time, without a known end. */
+/** \brief A stereo camera or another live source. Pairs arrive at their own times,
+ * without a known end. */
 class LiveCamera {
 public:
   virtual ~LiveCamera() = default;
 
-  /** \brief Waits for the next pairs, without decoding them: of a folder or a video not
-   * longer than a twentieth of a second, of a camera or a stream as long as these do.
-   * \return how many came; 0 = none
-   * \throws BadInputException if no more can come, and why */
+  /** \brief Waits for the next pairs, without decoding them: for a folder or a video at
+   * most 1/20 s, for a camera or a stream until they deliver.
+   * \return number of new pairs; 0 = none
+   * \throws BadInputException with the reason, if no more can arrive */
   virtual int grab() = 0;
 
-  /** \brief Whether no more will come. */
+  /** \brief Whether no more pairs will arrive. */
   virtual bool hasEnded() const = 0;
 
-  /** \brief The newest of the pairs that came last, rectified; its time is that since
-   * the camera was opened [s]. \throws BadInputException if it is damaged, or of
-   * another size */
+  /** \brief Returns the newest pair, rectified. Its time is relative to the opening of
+   * the camera [s].
+   * \throws BadInputException if it is damaged or has another size */
   virtual StereoFrame retrieve() = 0;
 
-  /** \brief The rectified pair, its size filled in. */
+  /** \brief The rectified pair, with the size of the images. */
   const StereoCamera&
   camera() const
   {
@@ -46,7 +46,7 @@ public:
     return pair_.T_camera0_camera;
   }
 
-  /** \brief Doubts about the calibration, a line each. */
+  /** \brief Doubts about the calibration, one per line. */
   const std::vector<std::string>&
   doubts() const
   {

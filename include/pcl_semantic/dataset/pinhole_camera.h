@@ -12,29 +12,29 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief A pinhole camera without distortion: fx, fy, cx, cy [px]. */
 struct PinholeCamera {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
-  int width = 0;             ///< columns of its images [px]; 0 = not stated, any
-  int height = 0;            ///< rows of its images [px]
-  std::string calibration{}; ///< its file; empty = none
-  std::string stated_size{}; ///< how the file leads to the size, for messages
-  std::vector<std::string> doubts{}; ///< about the file: what is not used of it, a line
-                                     ///< each, for a program to show
+  int width = 0;                     ///< columns of its images [px]; 0 = unknown, any
+  int height = 0;                    ///< rows of its images [px]
+  std::string calibration{};         ///< path of its file; empty = none
+  std::string stated_size{};         ///< how the file leads to the size, for messages
+  std::vector<std::string> doubts{}; ///< about unused values of the file, one per line,
+                                     ///< for a program to print
 
-  /** \throws InvalidParameterException unless focal lengths are positive and all is
+  /** \throws InvalidParameterException unless focal lengths are positive and all values
    * finite */
   void validate() const;
 
-  /** \brief The camera of an image: with its size, and a baseline of 1 m that means
-   * nothing.
+  /** \brief Converts to the camera of an image, with the image's size and a baseline of
+   * 1 m, which is to be ignored.
    * \param[in] image its path, for messages
-   * \throws BadInputException that names both sizes, if another one is stated, or if
-   * the principal point lies outside of the image */
+   * \throws BadInputException that names both sizes, if the file states another size,
+   * or if the principal point is outside the image */
   StereoCamera ofImage(int image_width, int image_height,
                        const std::string& image) const;
 };
 
 /** \brief Reads the camera of undistorted images.
  *
- * | file | what is read |
+ * | file | values |
  * |---|---|
  * | ROS' camera_info (file or message, `.yaml`) | K, D, R, P, size, binning, region of
  * interest |
@@ -44,12 +44,12 @@ struct PinholeCamera {
  * | KITTI's calib.txt, calib_cam_to_cam.txt | P2 and its size, if stated |
  * | Middlebury's calib.txt | cam0, width, height |
  *
- * Distortion that is not zero is refused: undistort the images first. Without it, a P
- * that differs from K is that of rectified images, and takes its place. Binning divides
- * the size and the matrix, a region of interest shifts the principal point, as ROS'
- * image_geometry does.
- * \throws BadInputException with file and line; models of distortion that are not
- * supported are named */
+ * Non-zero distortion is refused: undistort the images first. Without distortion, a P
+ * that differs from K describes rectified images and replaces K. As in ROS'
+ * image_geometry, binning divides the size and the matrix, and a region of interest
+ * shifts the principal point.
+ * \throws BadInputException with file and line, and with the name of an unsupported
+ * distortion model */
 PinholeCamera readPinholeCamera(const std::string& path);
 
 } // namespace pcl_semantic

@@ -18,24 +18,24 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Which image of a stereo pair. */
+/** \brief Image of a stereo pair. */
 enum class StereoSide { left = 0, right = 1 };
 
-/** \brief Turns the images of a rig into those of a rectified pair of the same size:
- * without distortion, corresponding pixels in the same row.
+/** \brief Rectifies the images of a rig to a pair of the same size: without distortion,
+ * with corresponding pixels in the same row.
  *
- * Both cameras are turned as little as possible (Bouguet's method, `cv::stereoRectify`
- * with CALIB_ZERO_DISPARITY) and get the same focal length and principal point, chosen
- * so that (but for single pixels of the margin) none comes from outside an image, alpha
- * = 0: what only one of the two cameras or a corner sees is cut off. */
+ * Both cameras are rotated as little as possible (Bouguet's method, `cv::stereoRectify`
+ * with CALIB_ZERO_DISPARITY). They get the same focal length and principal point,
+ * chosen with alpha = 0: except for single border pixels, no pixel comes from outside
+ * an image, and regions seen by only one camera or in a corner are cropped. */
 class Rectifier {
 public:
   /** \param[in] rig cameras with the size of their images
-   * \throws InvalidParameterException if a value of the rig cannot be used, its size is
-   * not known, or the distortion folds the images */
+   * \throws InvalidParameterException if a value of the rig is invalid, its size is
+   * unknown, or the distortion folds the images */
   explicit Rectifier(const StereoRig& rig);
 
-  /** \brief The rectified pair; the left camera's frame is that of its images. */
+  /** \brief The rectified pair, in the frame of the rectified left camera. */
   const StereoCamera&
   camera() const
   {
@@ -50,15 +50,15 @@ public:
     return T_left_rectified_;
   }
 
-  /** \brief A rectified image, bilinear, black where the camera saw nothing. What is
-   * rectified already comes back unchanged.
+  /** \brief Rectifies an image bilinearly; pixels from outside are black. A rectified
+   * image is returned unchanged.
    * \param[in] image of the rig's size, any depth and number of channels
-   * \param[in] side which camera took it
-   * \throws InvalidParameterException if the image is of another size */
+   * \param[in] side of the camera
+   * \throws InvalidParameterException if the image has another size */
   cv::Mat rectify(const cv::Mat& image, StereoSide side) const;
 
 private:
-  // Where a pixel comes from: whole pixels and 1/32 px (cv::convertMaps).
+  // Source of a pixel: whole pixels and 1/32 px (cv::convertMaps).
   struct Maps {
     cv::Mat whole;
     cv::Mat fraction;
@@ -66,15 +66,15 @@ private:
 
   StereoCamera camera_;
   Eigen::Isometry3d T_left_rectified_ = Eigen::Isometry3d::Identity();
-  std::array<Maps, 2> maps_; ///< empty if there is nothing to do
+  std::array<Maps, 2> maps_; ///< empty if the rig is rectified
 };
 
-/** \brief A calibrated stereo pair, as its rectified images are. */
+/** \brief The calibration of a pair's rectified images. */
 struct RectifiedPair {
   StereoCamera camera;                                                ///< with its size
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity(); ///< left camera
   std::optional<Rectifier> rectifier; ///< none if the images are rectified already
-  std::vector<std::string> doubts{};  ///< about the files, a line each
+  std::vector<std::string> doubts{};  ///< about the files, one per line
 
   /** \brief Rectifies the images of a frame, if they are not yet. */
   void rectify(StereoFrame& frame) const;
@@ -86,17 +86,17 @@ struct CalibrationFiles {
   std::string extrinsics;  ///< R and T of a rig, if not in `calibration`
 };
 
-/** \brief The images that the calibration is used with: their size, and their name for
- * messages. */
+/** \brief Size and name (for messages) of the images used with a calibration. */
 struct SizedFile {
   cv::Size size; ///< [px]
   std::string path;
 };
 
-/** \brief Reads the calibration of images, or of organized clouds made of them. Camera
- * 0 is KITTI's, or the left camera of a rig before rectification turns it.
- * \param[in] cameras which of KITTI's pairs; a rig has one
- * \throws BadInputException if it cannot be used, or is of images of another size */
+/** \brief Reads the calibration of images, or of organized clouds made from them.
+ * Camera 0 is KITTI's, or the left camera of a rig before rectification.
+ * \param[in] cameras KITTI's pair; ignored for a rig
+ * \throws BadInputException if the calibration is invalid or for images of another
+ * size */
 RectifiedPair readRectifiedPair(const CalibrationFiles& files, const SizedFile& first,
                                 KittiCameras cameras);
 

@@ -11,22 +11,21 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Frames of an RGB-D camera whose depth image is registered to the colour
- * image.
+/** \brief Frames of an RGB-D camera with depth images registered to the colour images.
  *
- * Either TUM's layout: `rgb.txt` and `depth.txt` list times and files, each colour
- * image takes the depth image nearest in time, and is passed over if none is within
- * 0.02 s. Or a folder with `rgb/` and `depth/`, whose files have the same names. Depth
- * images are 16-bit PNGs; 0 and 65535 are no depths. */
+ * In TUM's layout, `rgb.txt` and `depth.txt` list times and files. Each colour image
+ * gets the depth image nearest in time, and is skipped if none is within 0.02 s. The
+ * other layout is a folder with `rgb/` and `depth/`, with equal file names in both.
+ * Depth images are 16-bit PNGs; 0 and 65535 are no depths. */
 class RgbdSequence {
 public:
   /** \param[in] folder see above
-   * \param[in] camera of the colour images, of undistorted ones
-   * \param[in] depth_scale number that stands for a metre; 0 = 5000 in TUM's layout,
-   * else 1000
-   * \throws BadInputException if it holds no such frames, or the first image is not of
-   * the size that the camera states
-   * \throws InvalidParameterException if the scale is metres a number: less than 1 */
+   * \param[in] camera of the undistorted colour images
+   * \param[in] depth_scale number per metre; 0 = 5000 in TUM's layout, else 1000
+   * \throws BadInputException if the folder has no frames, or the first image does not
+   * have the camera's size
+   * \throws InvalidParameterException if the scale is less than 1: probably metres per
+   * number */
   RgbdSequence(const std::string& folder, const PinholeCamera& camera,
                double depth_scale = 0.0);
 
@@ -36,15 +35,15 @@ public:
     return frames_.size();
   }
 
-  /** \brief Name of a frame without extension: its time [s] in TUM's layout, else that
-   * of its files. */
+  /** \brief Name of a frame without extension: its time [s] in TUM's layout, else the
+   * name of its files. */
   const std::string&
   name(std::size_t i) const
   {
     return frames_.at(i).name;
   }
 
-  /** \brief Time of a frame [s]: of its colour image, or 0.1 s a frame. */
+  /** \brief Time of the colour image [s], or 0.1 s per frame. */
   double
   timestamp(std::size_t i) const
   {
@@ -59,16 +58,16 @@ public:
     return camera_;
   }
 
-  /** \brief Doubts, a line each, for a program to show: about the camera's file,
-   * and whether the depths of the first frames suggest another scale. Reads depth
-   * images until one has depths. */
+  /** \brief Doubts, one per line, for a program to print: about the camera's file, and
+   * a depth scale that does not fit the first frames. Reads depth images until one has
+   * depths. */
   std::vector<std::string> doubts() const;
 
   /** \brief Reads the i-th frame.
    * \param[in] max_depth of the points of its cloud [m]; 0 = unlimited
-   * \throws InvalidParameterException if there is no such frame, or max_depth is
-   * negative \throws BadInputException if an image cannot be read, or is of another
-   * size */
+   * \throws InvalidParameterException if the frame does not exist or max_depth is
+   * negative
+   * \throws BadInputException if an image cannot be read or has another size */
   RgbdFrame frame(std::size_t i, double max_depth = 0.0) const;
 
 private:

@@ -22,24 +22,24 @@ using NamedValues = std::vector<std::pair<std::string, std::string>>;
 struct SequenceFiles {
   std::string folder;
   ImagePairFiles files;
-  bool strict = false; ///< pairs that look wrong are refused, see checkPair()
+  bool strict = false; ///< refuse suspicious pairs, see checkPair()
 
   /** \brief Whether a file of a stereo camera is given. */
   bool hasFiles() const;
 
-  /** \brief For messages: the folder, or the pattern of the left images. */
+  /** \brief The folder, or the pattern of the left images, for messages. */
   const std::string& name() const;
 
-  /** \brief \throws InvalidParameterException if a file is missing, or one beside a
-   * folder is given */
+  /** \brief \throws InvalidParameterException if a file is missing, or a folder is
+   * combined with files */
   void validate() const;
 
-  /** \brief The files that are given. */
+  /** \brief The given files. */
   NamedValues inputs() const;
 };
 
-/** \brief `sequence`, `left`, `right`, `calibration`, `extrinsics`, `times`, `strict`.
- */
+/** \brief Parameters `sequence`, `left`, `right`, `calibration`, `extrinsics`, `times`,
+ * `strict`. */
 ConfigParameters parametersOf(SequenceFiles& files);
 
 /** \brief Opens two videos as a sequence. */
@@ -47,9 +47,9 @@ using VideoOpener =
     std::function<std::unique_ptr<FrameSequence>(const ImagePairFiles&)>;
 
 /** \brief Opens a sequence.
- * \param[in] open_videos null: videos are refused
- * \param[out] doubts about the calibration, a line each, are added to it
- * \throws BadInputException, InvalidParameterException at videos that are refused */
+ * \param[in] open_videos null = videos are refused
+ * \param[out] doubts lines about the calibration are appended
+ * \throws BadInputException, InvalidParameterException for refused videos */
 std::unique_ptr<FrameSequence> openSequence(const SequenceFiles& files,
                                             std::vector<std::string>& doubts,
                                             const VideoOpener& open_videos = nullptr);

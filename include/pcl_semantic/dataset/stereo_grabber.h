@@ -14,16 +14,15 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Gives the newest pair of a camera: grabs all that come in a thread of its own
- * and keeps none but the last. Those between two that are taken are dropped, and never
- * decoded. */
+/** \brief Provides the newest pair of a camera. A thread grabs all pairs and keeps only
+ * the newest one; older pairs are dropped without decoding. */
 class StereoGrabber {
 public:
   using Clock = std::chrono::steady_clock;
 
   struct Grabbed {
     StereoFrame frame;
-    Clock::time_point when; ///< it came
+    Clock::time_point when; ///< time of arrival
   };
 
   explicit StereoGrabber(std::unique_ptr<LiveCamera> camera);
@@ -34,20 +33,20 @@ public:
   StereoGrabber(const StereoGrabber&) = delete;
   StereoGrabber& operator=(const StereoGrabber&) = delete;
 
-  /** \brief The newest pair that was not taken yet; waits for one.
-   * \param[in] patience how long
-   * \return none if none came
-   * \throws BadInputException if it is damaged (the next call goes on), or what the
-   * camera threw */
+  /** \brief Returns the newest pair that was not taken yet; waits for one.
+   * \param[in] patience maximum time to wait
+   * \return none after this time
+   * \throws BadInputException if the pair is damaged (the next call continues), or an
+   * exception of the camera */
   std::optional<Grabbed> take(std::chrono::milliseconds patience);
 
   /** \brief Whether the camera has ended and the last pair was taken. */
   bool hasEnded() const;
 
-  /** \brief Pairs so far that came and were not taken, but for the newest. */
+  /** \brief Number of pairs dropped so far. */
   int dropped() const;
 
-  /** \brief The camera: its calibration never changes. */
+  /** \brief The camera. Its calibration is constant. */
   const LiveCamera&
   camera() const
   {
@@ -59,17 +58,17 @@ private:
 
   void serve(std::unique_lock<std::mutex>& lock);
 
-  std::unique_ptr<LiveCamera> camera_; // its pairs are for the thread alone
-  mutable std::mutex mutex_;           // of what follows
+  std::unique_ptr<LiveCamera> camera_; // only the thread uses its pairs
+  mutable std::mutex mutex_;           // protects the members below
   std::condition_variable changed_;
   bool is_wanted_ = false; // a caller waits for a pair
-  int waiting_ = 0;        // pairs that came since one was taken
+  int waiting_ = 0;        // new pairs since the last taken one
   int dropped_ = 0;
-  Clock::time_point when_;         // the last came
+  Clock::time_point when_;         // arrival of the newest pair
   std::optional<Grabbed> grabbed_; // the newest pair
-  std::exception_ptr error_;       // likewise
+  std::exception_ptr error_;       // the camera's last error
   bool has_ended_ = false, stop_ = false;
-  std::thread thread_; // last: it uses the others
+  std::thread thread_; // last, because it uses the other members
 };
 
 } // namespace pcl_semantic

@@ -11,36 +11,37 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Two calibrated cameras side by side, as OpenCV's `stereoCalibrate` describes
- * them: pinhole cameras with its polynomial distortion (no fisheyes).
+/** \brief Two calibrated cameras side by side, as described by OpenCV's
+ * `stereoCalibrate`: pinhole cameras with its polynomial distortion (no fisheyes).
  *
- * A point x_1 in the left camera's frame is x_2 = R x_1 + T in the right one's. */
+ * A point x_1 in the left camera's frame is x_2 = R x_1 + T in the right camera's
+ * frame. */
 struct StereoRig {
-  int width = 0;              ///< columns of both images [px]; 0 = not known
-  int height = 0;             ///< rows of both images [px]; 0 = not known
+  int width = 0;              ///< columns of both images [px]; 0 = unknown
+  int height = 0;             ///< rows of both images [px]; 0 = unknown
   Eigen::Matrix3d K1, K2;     ///< fx 0 cx, 0 fy cy, 0 0 1 [px]; left, right
   std::vector<double> D1, D2; ///< k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 .. s4 [tx ty]]]]
   Eigen::Matrix3d R;          ///< rotation from the left to the right camera's frame
-  Eigen::Vector3d T;          ///< the same, translation [m]; x < 0
+  Eigen::Vector3d T;          ///< translation from the left to the right frame; x < 0
   std::string stated_size{};  ///< how a file leads to the size, for messages
   std::vector<std::string>
-      doubts; ///< about the file, a line each, for a program to show
+      doubts; ///< about the file, one per line, for a program to print
 
   /** \throws InvalidParameterException that names the value, unless everything is
    * finite, K1 and K2 are camera matrices with the principal point in the image, D1 and
-   * D2 have 4, 5, 8, 12 or 14 numbers, R is a rotation, and T says that the right
-   * camera is on the right, beside (not above or ahead), no farther than 10 m */
+   * D2 have 4, 5, 8, 12 or 14 numbers, R is a rotation, and T places the right camera
+   * to the right (not above or ahead) within 10 m */
   void validate() const;
 };
 
-/** \brief Reads a rig as `cv::FileStorage` writes it in YAML, Kalibr's camchain (cam0
- * is the left camera, cam1 the right one; pinhole, radtan), ROS' camera_info of both
- * cameras (plumb_bob or rational_polynomial), EuRoC's sensor.yaml of both, or
- * Middlebury's calib.txt. Both cameras have to state one size, or none.
+/** \brief Reads a rig in YAML of `cv::FileStorage`, Kalibr's camchain (cam0 is the left
+ * camera, cam1 the right one; pinhole, radtan), ROS' camera_info of both cameras
+ * (plumb_bob or rational_polynomial), EuRoC's sensor.yaml of both, or Middlebury's
+ * calib.txt. Both cameras must have the same size, or none.
  *
- * A camera_info without distortion and rotation is that of rectified images: P is the
- * camera's matrix then. Binning and a region of interest are those of the images, see
- * readPinholeCamera(). Of OpenCV's:
+ * A camera_info without distortion and rotation describes rectified images, with P as
+ * the camera's matrix. Binning and a region of interest are applied, see
+ * readPinholeCamera(). Keys of OpenCV's YAML:
  *
  * | value | key, one of |
  * |---|---|
@@ -50,12 +51,12 @@ struct StereoRig {
  * | size | `image_width` and `image_height`, or `image_size`, `imageSize`; may be
  * absent |
  *
- * A matrix is an `!!opencv-matrix` or a list of numbers, row after row. Other keys are
- * passed over. An R that is a rotation but for rounding is made one, which is among the
- * doubts if it is more than that of text (1e-4); by more than 1e-2 it is refused.
- * \param[in] path the calibration, or the intrinsics alone
- * \param[in] extrinsics_path where R and T are, if in a file of their own; of ROS and
- * EuRoC the right camera's file
+ * A matrix is an `!!opencv-matrix` or a list of numbers, row by row. Other keys are
+ * ignored. R is replaced by the nearest rotation. A difference above 1e-4, more than
+ * the rounding of text, is a doubt; above 1e-2 R is refused.
+ * \param[in] path the calibration, or only the intrinsics
+ * \param[in] extrinsics_path file of R and T, if separate; for ROS and EuRoC the right
+ * camera's file
  * \throws BadInputException with file and key */
 StereoRig readStereoRig(const std::string& path,
                         const std::string& extrinsics_path = "");

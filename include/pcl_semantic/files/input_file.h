@@ -26,7 +26,7 @@ std::vector<TextLine> readLines(const std::string& path);
 /** \brief Formats "PATH line N", for messages. */
 std::string atLine(const std::string& path, int line);
 
-/** \brief Refuses folders, pipes and devices, because opening one could block for ever.
+/** \brief Refuses folders, pipes and devices, because opening one could block forever.
  * \throws BadInputException */
 void requireRegularFile(const std::string& path);
 

@@ -16,9 +16,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A pcl::Filter that throws where there is no memory for the indices of all
- * points. PCL itself prints a line and gives back an empty cloud (1.15), or one that
- * was not filtered (1.13). */
+/** \brief A pcl::Filter that throws std::bad_alloc if memory for the indices of all
+ * points is insufficient. PCL prints a line and returns an empty cloud (1.15) or an
+ * unfiltered one (1.13). */
 template <typename PointT> class CheckedFilter : public pcl::Filter<PointT> {
 public:
   using PointCloud = std::conditional_t<std::is_same_v<PointT, pcl::PCLPointCloud2>,
@@ -34,7 +34,7 @@ public:
   }
 
 private:
-  // As PCL does: those of the last cloud serve again if it had as many points.
+  // As in PCL: the last cloud's indices are reused if the number of points is equal.
   void
   indexAll(std::size_t points)
   {
@@ -50,8 +50,7 @@ private:
   pointsOf(const PointCloud& cloud)
   {
     if constexpr (std::is_same_v<PointT, pcl::PCLPointCloud2>) {
-      // A cloud may state any size: one without the data is for applyFilter() to
-      // refuse.
+      // The header may state any size; applyFilter() refuses a cloud with less data.
       const std::size_t points = std::size_t(cloud.width) * cloud.height;
       return points <= cloud.data.size() ? points : 0;
     }

@@ -15,21 +15,21 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 ConfigParameters parametersOf(SemanticCRFParameters& parameters,
                               const std::string& unit);
 
-/** \brief Settings of the programs that refine a cloud or an image. */
+/** \brief Settings of programs that refine a cloud or an image. */
 struct CRFConfig {
   CRFModelType model = CRFModelType::dense;
-  std::string cliques = "none";  ///< where they come from; each tool has its own words
-  double label_confidence = 0.8; ///< probability of the class that a label states
+  std::string cliques = "none";  ///< source of the cliques, by program
+  double label_confidence = 0.8; ///< probability of the class in a label
   SemanticCRFParameters parameters;
   int threads = 0; ///< 0 = all processors
 
   std::string unit = "m";   ///< of positions, for the help
-  std::string clique_words; ///< what cliques may be, for the help
+  std::string clique_words; ///< valid values of `cliques`, for the help
 
   /** \throws InvalidParameterException */
   void validate() const;
 
-  /** \brief Cliques are for those models that use them, and these need some.
+  /** \brief Requires cliques for models that use them, and no cliques for other models.
    * \throws InvalidParameterException */
   void requireFittingCliques() const;
 };

@@ -13,15 +13,15 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The terms of a CRF, whatever its elements are. */
+/** \brief The terms of a CRF, for any kind of elements. */
 struct CRFTerms {
   CRFModelType model = CRFModelType::dense;
   SemanticCRFParameters parameters;
   LabelCompatibility compatibility;  ///< mu, eq. (5)
   std::vector<GaussianTerm> kernels; ///< the caller's own: weights and features
-  Eigen::MatrixXf clique_costs;      ///< psi_c(l), L x C; empty = of the members
+  Eigen::MatrixXf clique_costs;      ///< psi_c(l), L x C; empty = from the members
   std::vector<Label> thin_labels;
-  std::optional<int> threads; ///< none: as many as OpenMP gives the calling thread
+  std::optional<int> threads; ///< none: OpenMP's number for the calling thread
 
   bool
   usesCliques() const
@@ -30,10 +30,10 @@ struct CRFTerms {
   }
 };
 
-/** \brief The settings that SemanticCRF and ImageCRF have in common. */
+/** \brief The common settings of SemanticCRF and ImageCRF. */
 class CRFSettings {
 public:
-  /** \brief dense, unless it is set; the last two models need cliques. */
+  /** \brief Selects the model, dense by default. The last two models need cliques. */
   void
   setModel(CRFModelType model)
   {
@@ -49,39 +49,39 @@ public:
     return terms_.parameters;
   }
 
-  /** \brief mu(l, l') of eq. (5), L x L; empty = Potts.
+  /** \brief Sets mu(l, l') of eq. (5), L x L; empty = Potts.
    * \throws InvalidParameterException as LabelCompatibility */
   void setCompatibility(const Eigen::MatrixXf& costs);
 
-  /** \brief Adds a Gaussian kernel of the caller's own, w exp(-|f_i - f_j|^2 / 2), to
-   * all models but unary.
+  /** \brief Adds a Gaussian kernel, w exp(-|f_i - f_j|^2 / 2), to all models but unary.
    * \param[in] features d x number of elements, divided by their deviations
    * \throws InvalidParameterException if there are no features or one is not finite, or
    * the weight is not 0 to 1e9 */
   void addKernel(const Eigen::MatrixXf& features, float weight);
 
-  /** \brief psi_c(l), L x C, of the hierarchical model; empty = the mean unary cost of
-   * the members. \throws InvalidParameterException unless all are finite */
+  /** \brief Sets psi_c(l), L x C, of the hierarchical model; empty = the mean unary
+   * cost of the members.
+   * \throws InvalidParameterException unless all are finite */
   void setCliqueCosts(const Eigen::MatrixXf& costs);
 
-  /** \brief Classes of things that are thinner than the kernels are wide; see
-   * SemanticCRFParameters::keep_thin. None unless it is set. One that there is not is
-   * found in the run. */
+  /** \brief Sets the classes of objects thinner than the kernels are wide, see
+   * SemanticCRFParameters::keep_thin. None by default. The run reports a class that
+   * does not exist. */
   void
   setThinLabels(const std::vector<Label>& labels)
   {
     terms_.thin_labels = labels;
   }
 
-  /** \brief Threads of a run; 0 = all processors. Unless it is set: as many as OpenMP
-   * gives the calling thread. The result does not depend on it. */
+  /** \brief Sets the threads of a run; 0 = all processors, default = OpenMP's number
+   * for the calling thread. The result does not depend on it. */
   void
   setNumberOfThreads(int threads)
   {
     terms_.threads = threads;
   }
 
-  /** \brief Of the last run. */
+  /** \brief Report of the last run. */
   const CRFReport&
   getReport() const
   {

@@ -8,19 +8,19 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Keeps one point of each voxel of a regular grid, with the label that the
- * voxel's points agree on: pcl::VoxelGrid would average labels, and the mean of the
- * classes 1 and 3 is not 2.
+/** \brief Keeps one point per voxel of a regular grid, with the majority label of the
+ * voxel's points. pcl::VoxelGrid would average labels, and the mean of the classes 1
+ * and 3 is not 2.
  *
- * What is kept is the point nearest to the mean of the voxel's points, with all of its
- * fields. Its `probability` (COUNT L) becomes the mean of theirs and its `label` the
- * most probable class; without probabilities the label is the most frequent one, the
- * smaller one if two are, and 0 only if no point of the voxel has a label. Labels and
- * probabilities may be spelled as doc/formats.md says. Dropped are points that are not
- * finite or more than CloudCRF::max_coordinate away, and two or more at exactly
- * 0 0 0, which a scanner gives for no return. An index that comes twice counts once. A
- * cloud of no points is given back as it is. The output is not organized; voxels come
- * by z, y, x. */
+ * The kept point is the one nearest to the mean of the voxel's points, with all of its
+ * fields. Its `probability` (COUNT L) becomes the mean of the voxel's points and its
+ * `label` the most probable class. Without probabilities the label is the most frequent
+ * one, the smaller one at a tie, and 0 only if no point of the voxel has a label.
+ * doc/formats.md lists the accepted names of labels and probabilities. Points that are
+ * not finite or more than CloudCRF::max_coordinate away are dropped, and so are two or
+ * more points at exactly 0 0 0, the no-returns of a scanner. A repeated index counts
+ * once. An empty cloud is returned unchanged. The output is not organized; voxels are
+ * ordered by z, y, x. */
 class LabelVoxelGrid : public CheckedFilter<pcl::PCLPointCloud2> {
 public:
   LabelVoxelGrid() { this->filter_name_ = "LabelVoxelGrid"; }
@@ -30,9 +30,9 @@ public:
   void setLeafSize(double edge);
 
 protected:
-  /** \throws InvalidParameterException if no edge was set, the cloud has no `label`, is
-   * larger than 2^31 voxels, or an index is beyond it \throws BadInputException at a
-   * value that cannot be, or labels that are not understood */
+  /** \throws InvalidParameterException if no edge was set, the cloud has no `label` or
+   * spans more than 2^31 voxels, or an index is out of range
+   * \throws BadInputException at an invalid value, or labels in an unknown encoding */
   void applyFilter(pcl::PCLPointCloud2& output) override;
 
 private:

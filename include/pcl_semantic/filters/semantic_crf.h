@@ -15,16 +15,16 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Makes the labels of a cloud consistent: mean field in a CRF over its points
  * (section IV of the paper; doc/crf.md).
  *
- * A pcl::Filter that removes nothing: the output is the input with the `label` of the
- * points of setIndices() rewritten; organization is kept, and it works in place. Points
- * outside the indices keep their label and distribution, and neither send nor receive
- * messages; cliques lose them. Points that are not finite keep their place, with label
- * 0, and are counted; so are two or more points at exactly 0 0 0, which a scanner gives
- * for no return: they are as points outside the indices. A cloud of no points is given
- * back as it is.
+ * A pcl::Filter that removes no points: the output is the input with the `label` of the
+ * points of setIndices() rewritten. The organization is kept, and the filter works in
+ * place. Points outside the indices keep their label and distribution, exchange no
+ * messages and are removed from cliques. Points that are not finite remain, with label
+ * 0, and are counted. Two or more points at exactly 0 0 0, the no-returns of a scanner,
+ * are counted and treated like points outside the indices. An empty cloud is returned
+ * unchanged.
  *
- * Works for every registered point type with the fields x, y, z (float) and label; the
- * kernels of colours are there for types with rgb or rgba. */
+ * Works for every registered point type with the fields x, y, z (float) and label.
+ * Types with rgb or rgba have colour kernels. */
 template <typename PointT>
 class SemanticCRF : public CheckedFilter<PointT>, public CloudCRF {
 public:
@@ -35,23 +35,23 @@ public:
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
 protected:
-  /** \throws InvalidParameterException if something that was set does not fit the cloud
-   * \throws BadInputException at a label or a distribution that cannot be */
+  /** \throws InvalidParameterException if a setting does not fit the cloud
+   * \throws BadInputException at an invalid label or distribution */
   void applyFilter(PointCloud& output) override;
 
 private:
   CloudFields readFields(const PointCloud& cloud) const;
 };
 
-/** \brief The same for clouds whose fields are known by name: x y z, label and, if they
- * are there, rgb or rgba, probability (COUNT L) and clique (0 = none). Other fields are
- * kept.
+/** \brief The same filter for clouds whose fields are found by name: x y z, label and,
+ * if present, rgb or rgba, probability (COUNT L) and clique (0 = none). Other fields
+ * are kept.
  *
  * Unless setLabelDistributions() or setLabelConfidence() was called, the measurements
- * are the field `probability`; unless cliques or a generator were set, the cliques are
- * the field `clique`. The output is the input with `label` and, if it is there,
- * `probability` rewritten, in their own types. Both may be spelled as doc/formats.md
- * says. */
+ * are the field `probability`. Unless cliques or a generator were set, the cliques are
+ * the field `clique`. The output is the input with `label` and, if present,
+ * `probability` rewritten in their own types. doc/formats.md lists the accepted names
+ * of both. */
 template <>
 class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
     : public CheckedFilter<pcl::PCLPointCloud2>, public CloudCRF {
@@ -62,12 +62,12 @@ public:
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
 protected:
-  /** \throws InvalidParameterException if the cloud has no `label`, neither
-   * `probability` nor measurements that were set, `probability` of another number of
-   * classes than these, no cliques for a model that needs some, or something does not
-   * fit it
-   * \throws BadInputException at a value of a field that cannot be, or labels of
-   * another name that are not understood */
+  /** \throws InvalidParameterException if the cloud has no `label`, if it has no
+   * `probability` and no measurements were set, if `probability` has another number of
+   * classes than these, if a model needs cliques and there are none, or if a setting
+   * does not fit the cloud
+   * \throws BadInputException at an invalid value of a field, or labels of another name
+   * in an unknown encoding */
   void applyFilter(pcl::PCLPointCloud2& output) override;
 };
 
@@ -78,7 +78,7 @@ protected:
 /// \cond
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-// The library has them: programs need not compile these again.
+// Instantiated in the library, so that programs need not compile them.
 extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZL>;
 extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZRGBL>;
 extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZLNormal>;

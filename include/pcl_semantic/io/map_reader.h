@@ -48,7 +48,7 @@ public:
 
   virtual ~MapReader() = default;
 
-  /** \brief Reads blocks, decompressed in parallel; null where there is none. */
+  /** \brief Reads blocks, decompressed in parallel; null for missing blocks. */
   virtual std::vector<std::unique_ptr<VoxelBlock>>
   get(const std::vector<VoxelIndex>& blocks) const = 0;
 

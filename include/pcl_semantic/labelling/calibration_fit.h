@@ -6,61 +6,65 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Points whose class is known. */
+/** \brief Points with ground truth. */
 struct CalibrationSamples {
   LabelDistributions network; ///< L x N
   std::vector<PointFeatures> features;
   std::vector<Label> truth;   ///< kUnlabelled ones do not count
-  std::vector<float> weights; ///< how often each counts, more than 0; empty = once
-  std::vector<int> sequences; ///< the sequence each is of, from 0; empty = one
-  std::string of = "pixels";  ///< what they are, see LabelCalibration
+  std::vector<float> weights; ///< multiplicity of each, more than 0; empty = 1
+  std::vector<int> sequences; ///< sequence of each, from 0; empty = one sequence
+  std::string of = "pixels";  ///< kind of samples, see LabelCalibration
   std::vector<std::vector<Eigen::MatrixXf>>
       frames; ///< of each frame that they are of a
               ///< featureHistogram() for each of
               ///< the curves; empty = not known
 
   /** \throws InvalidParameterException if sizes do not fit, a label is not one of the
-   * classes, or a weight or sequence cannot be */
+   * classes, or a weight or sequence is invalid */
   void validate() const;
 };
 
-/** \brief Where the curves over a feature bend. */
+/** \brief Knots of the curves over a feature. */
 struct FeatureKnots {
   Feature feature;
   std::vector<float> knots; ///< rising, two or more
 };
 
-/** \brief The features of pixels that are worth a curve (doc/calibration.md). */
+/** \brief Features of pixels for which a curve improves the result
+ * (doc/calibration.md). */
 const std::vector<Feature>& pixelFeatures();
 
-/** \brief Those of cliques. */
+/** \brief Features of cliques for which a curve improves the result. */
 const std::vector<Feature>& cliqueFeatures();
 
-/** \brief Knots that are dense where a feature tells the classes of a street apart, for
- * features in any order; one that comes twice counts once. */
+/** \brief Knots that are dense where a feature separates the classes of a street. The
+ * order of the features is free; duplicates are ignored. */
 std::vector<FeatureKnots> streetKnots(const std::vector<Feature>& features);
 
 struct CalibrationOptions {
-  /// Every sequence counts alike. In it each class weighs as its number of samples to
-  /// the power of 1 - balance: 0 = every sample counts alike, 1 = every class.
+  /// Exponent 1 - balance of the class weights: in a sequence, a class weighs its
+  /// number of samples to this power. 0 = equal samples, 1 = equal classes. Sequences
+  /// have equal weights.
   double balance = 0.5;
-  /// What is taken off bias and curves afterwards: another street is only in part like
-  /// those they were learned from. 0 = nothing, 1 = the sharpness alone is left.
+  /// Fraction subtracted from bias and curves after the fit, because a new street
+  /// resembles the training sequences only partly. 0 = none, 1 = only the sharpness is
+  /// left.
   double shrinkage = 0.5;
   double bias_penalty = 0.001;   ///< on b^2, in mean log-likelihood
   double curve_penalty = 0.0003; ///< on the squared values of the curves
   std::vector<FeatureKnots> curves = streetKnots(pixelFeatures()); ///< by feature
-  int iterations = 300; ///< of the optimisation, at most
+  int iterations = 300; ///< maximum, of the optimisation
 
   /** \throws InvalidParameterException that names the option and its range */
   void validate() const;
 };
 
-/** \brief The calibration of largest penalised likelihood, the sum over samples of
- * log p'(truth): convex, so there is but one. Then \a shrinkage is applied. Classes
- * that the ground truth does not have are not fitted, and the sharpness is never below
- * 0. \a ground of the result is empty. \throws InvalidParameterException if sizes do
- * not fit \throws BadInputException if there are no samples of two classes or more */
+/** \brief Fits a calibration by maximum penalised likelihood: the sum over samples of
+ * log p'(ground truth). The problem is convex, so the solution is unique. Then \a
+ * shrinkage is applied. Classes without ground truth are not fitted, and the sharpness
+ * is at least 0. \a ground of the result is empty.
+ * \throws InvalidParameterException if sizes do not fit
+ * \throws BadInputException unless there are samples of at least two classes */
 LabelCalibration fitCalibration(const CalibrationSamples& samples,
                                 const CalibrationOptions& options);
 

@@ -9,11 +9,12 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Carries the class distributions of an image onto the points that its camera
- * sees: each has that of its pixel, the others are unlabelled.
+/** \brief Transfers the class distributions of an image to the points visible in its
+ * camera. A visible point gets the distribution of its pixel; other points are
+ * unlabelled.
  * \param[in] image L x (width * height), pixels row by row
  * \param[in] camera with its image size
- * \param[in] seen of seenPoints() with that camera
+ * \param[in] seen result of seenPoints() with that camera
  * \return L x points
  * \throws InvalidParameterException if the sizes do not fit */
 LabelDistributions carryLabels(const LabelDistributions& image,

@@ -11,11 +11,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Smaller probabilities are raised to this one: a network's zeros carry no
- * information. */
+/** \brief Smaller probabilities are raised to this value, because a network's zeros
+ * carry no information. */
 constexpr float kMinProbability = 1e-4f;
 
-/** \brief A curve for each class over a feature, linear between knots and level beyond
+/** \brief One curve per class over a feature, linear between knots and constant beyond
  * them. */
 struct ClassCurves {
   Feature feature;
@@ -29,19 +29,19 @@ struct ClassCurves {
  *   p'(l) ~ p(l)^s exp(b_l + sum_z f_lz(z)),
  *
  * temperature and bias as in vector scaling (Guo et al. 2017, "On calibration of modern
- * neural networks") and curves over features. Classes that it was not fitted for keep
- * their probability, and the others share what is left. fitCalibration() makes one from
- * ground truth. */
+ * neural networks") and curves over features. Classes without a fit keep their
+ * probability, and the others share the rest. fitCalibration() learns it from ground
+ * truth. */
 struct LabelCalibration {
-  std::string of;                    ///< "pixels" or "cliques"; empty = of either
-  std::vector<bool> fitted;          ///< of each class
-  std::vector<Label> ground;         ///< classes that the ground is made of
+  std::string of;                    ///< "pixels" or "cliques"; empty = either
+  std::vector<bool> fitted;          ///< per class
+  std::vector<Label> ground;         ///< ground classes
   float sharpness = 1.0f;            ///< s
   Eigen::VectorXf bias;              ///< b, L
   std::vector<ClassCurves> curves;   ///< f, of any features in the order of Feature
-  std::vector<Eigen::MatrixXf> seen; ///< what it was learned from, a featureHistogram()
-                                     ///< for each of the curves; empty = not known
-  float usual_distance = 0.0f;       ///< from there, see domainShift(); 0 = not known
+  std::vector<Eigen::MatrixXf> seen; ///< feature histograms of the training data,
+                                     ///< one per curve; empty = unknown
+  float usual_distance = 0.0f;       ///< see domainShift(); 0 = unknown
 
   int
   classes() const
@@ -49,53 +49,52 @@ struct LabelCalibration {
     return static_cast<int>(fitted.size());
   }
 
-  /** \brief One for L classes that changes nothing. */
+  /** \brief The identity for L classes. */
   static LabelCalibration identity(int classes);
 
-  /** \throws InvalidParameterException if sizes do not fit or a value is not finite, or
+  /** \throws InvalidParameterException if sizes do not fit, or a value is not finite or
    * beyond 1e6 */
   void validate() const;
 };
 
-/** \brief Calibrates distributions; the same for any number of threads. Unlabelled
- * columns stay so; where a feature is not known its curves are left out.
- * \param[in] features one a column, or empty: nothing is known
+/** \brief Calibrates distributions, with the same result for any number of threads.
+ * Unlabelled columns stay unlabelled. The curves of an unknown feature are omitted.
+ * \param[in] features one per column, or empty if all are unknown
  * \throws InvalidParameterException if sizes do not fit
  * \throws BadInputException at a negative or non-finite probability */
 LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
                              const std::vector<PointFeatures>& features);
 
-/** \brief Where the pixels of a frame lie: L x knots, the fraction of them that the
- * network takes for a class, at each knot (between two, at both in part). Pixels that
- * are unlabelled, or of which the feature is not known, do not count; all zero if there
- * are no others. Of more than 100,000 pixels every second, third ... is taken.
- * \param[in] features one a column of \a distributions */
+/** \brief Fraction of a class's pixels at each knot of a feature: L x knots. The class
+ * is the network's; a pixel between two knots counts for both in part. Unlabelled
+ * pixels and pixels without the feature are ignored; all zero if no others exist. Above
+ * 100,000 pixels only every second, third ... is used.
+ * \param[in] features one per column of \a distributions */
 Eigen::MatrixXf featureHistogram(Feature feature, const std::vector<float>& knots,
                                  const LabelDistributions& distributions,
                                  const std::vector<PointFeatures>& features);
 
-/** \brief How much two lists of histograms differ: total variation, 0 = the same, 1 =
- * nothing in common, the mean over those that neither has empty; NaN if there are none.
- */
+/** \brief Mean total variation between two lists of histograms: 0 = equal, 1 =
+ * disjoint. Pairs with an empty histogram are ignored; NaN if no pair is left. */
 double histogramDistance(const std::vector<Eigen::MatrixXf>& histograms,
                          const std::vector<Eigen::MatrixXf>& others);
 
-/** \brief How far a frame is from those that a calibration was learned from, by
- * histogramDistance(): 1 = as far as the one of their sequences that is least like the
- * others. NaN if the calibration does not say what it has seen, or the frame has
- * nothing to compare. \param[in] features one a column of \a distributions */
+/** \brief Distance of a frame from the training frames of a calibration, by
+ * histogramDistance(). 1 = distance of the training sequence least like the others. NaN
+ * if the calibration has no histograms or no histogram can be compared.
+ * \param[in] features one per column of \a distributions */
 double domainShift(const LabelCalibration& calibration,
                    const LabelDistributions& distributions,
                    const std::vector<PointFeatures>& features);
 
 /** \brief Reads a calibration: YAML with classes by name (doc/formats.md).
- * \param[in] of what it has to be of, unless it does not say so
+ * \param[in] of required kind, unless the file states none
  * \throws BadInputException with file and line */
 LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set,
                                  const std::string& of = "pixels");
 
-/** \brief A calibration as YAML that readCalibration() takes, without loss. */
+/** \brief Prints a calibration as YAML for readCalibration(), without loss. */
 std::string printCalibration(const LabelCalibration& calibration,
                              const LabelSet& label_set);
 

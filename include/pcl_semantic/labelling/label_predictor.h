@@ -10,23 +10,25 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Gives the class distributions of every pixel of a frame's image: the left one
- * of a stereo pair. */
+/** \brief Predicts the class distributions of every pixel of a frame's image: the left
+ * one of a stereo pair. */
 class LabelPredictor {
 public:
   virtual ~LabelPredictor() = default;
 
-  /** \brief Before the first frame: makes sure that all frames have labels, as far as
-   * that can be known without their images. \param[in] frames their numbers
-   * \throws BadInputException that names the first frame without any */
+  /** \brief Checks before the first frame that all frames have labels, if the predictor
+   * can check this without their images.
+   * \param[in] frames their numbers
+   * \throws BadInputException that names the first frame without labels */
   virtual void
   requireFrames(const std::vector<int>& /*frames*/) const
   {}
 
-  /** \param[in] image CV_8UC3 (BGR) or CV_8UC1
+  /** \brief Predicts the class distributions of an image.
+   * \param[in] image CV_8UC3 (BGR) or CV_8UC1
    * \param[in] frame its number
-   * \return L x (width * height), pixels row by row, normalised; all-zero columns are
-   * unlabelled; or nothing, for a frame that has no labels (yet)
+   * \return L x (width * height), pixels row by row, normalised, all-zero columns =
+   * unlabelled; or empty, for a frame without labels (yet)
    * \throws BadInputException or BadModelException that names the frame */
   virtual LabelDistributions predict(const cv::Mat& image, int frame) = 0;
 };

@@ -18,16 +18,18 @@ struct ChannelClasses {
   bool softmax = true; ///< channels are logits; else non-negative probabilities
 };
 
-/** \brief Class distributions of an image's pixels from the output of a network.
+/** \brief Converts the output of a network to class distributions of an image's pixels.
  *
- * Every channel is resized bilinearly (pixel centres at half integers, as cv::resize),
- * then soft-max over the channels. Channels of one class add, channels without class
- * are dropped and the rest renormalised; a pixel with less than half left is
- * unlabelled. The result does not depend on the number of threads. \param[in] logits
- * CV_32F, channels x height x width, finite \param[in] size of the image [px]
- * \param[in] channels one entry a channel
+ * Every channel is resized bilinearly (pixel centres at half integers, as in
+ * cv::resize); then follows a soft-max over the channels. Channels of one class are
+ * added, channels without class are dropped and the rest is renormalised. A pixel with
+ * less than half of its probability left is unlabelled. The result does not depend on
+ * the number of threads.
+ * \param[in] logits CV_32F, channels x height x width, finite
+ * \param[in] size of the image [px]
+ * \param[in] channels one entry per channel
  * \return L x (width * height), pixels row by row
- * \throws InvalidParameterException if the sizes do not fit each other
+ * \throws InvalidParameterException if the sizes do not match
  * \throws BadInputException if a value is not finite, or a probability negative */
 LabelDistributions distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
                                            const ChannelClasses& channels);

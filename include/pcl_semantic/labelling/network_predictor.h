@@ -16,7 +16,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Description of a segmentation network (`data/networks`). */
 struct NetworkDescription {
   std::string model_path;      ///< ONNX file; empty if the description names none
-  std::string label_set_path;  ///< the classes that \a channels name
+  std::string label_set_path;  ///< label set of the classes in \a channels
   std::string input_name;      ///< N x 3 x H x W: (RGB / 255 - mean) / deviation
   int input_width = 0;         ///< [px]
   int input_height = 0;        ///< [px]
@@ -24,43 +24,40 @@ struct NetworkDescription {
   bool softmax = true;         ///< the output is logits; else probabilities
   std::array<float, 3> mean{}; ///< red, green, blue
   std::array<float, 3> deviation{{1.0f, 1.0f, 1.0f}}; ///< red, green, blue
-  std::vector<std::string> channels; ///< class of each output channel; "-" is none
+  std::vector<std::string> channels; ///< class of each output channel; "-" = none
 };
 
 /** \brief Reads a description; its paths are relative to its own folder.
- * \throws BadInputException with file and line, also at a class that its label set does
- * not have */
+ * \throws BadInputException with file and line, also if its label set lacks a class */
 NetworkDescription readNetworkDescription(const std::string& yaml_path);
 
-/** \brief The engine that computes a network on the CPU. */
+/** \brief The engine that runs a network on the CPU. */
 enum class NetworkEngine {
-  opencv,      ///< OpenCV's module dnn
-  onnx_runtime ///< ONNX Runtime, where it was there when the library was built
+  opencv,      ///< OpenCV's dnn module
+  onnx_runtime ///< ONNX Runtime, if the library was built with it
 };
 
-/** \brief The engines that there are, fastest first. */
+/** \brief The available engines, fastest first. */
 std::vector<NetworkEngine> networkEngines();
 
 /** \brief Runs a segmentation network (ONNX) on the left image.
  *
- * The image is resized bilinearly to the network's input; its output becomes class
- * distributions as distributionsFromLogits() says. Grey images are taken as colour
- * images with three equal channels. Not for use from several threads at once.
+ * The image is resized bilinearly to the network's input. distributionsFromLogits()
+ * converts the output to class distributions. Grey images become colour images with
+ * three equal channels. One instance must not be used by several threads at once.
  *
- * OpenCV 4.6 ends the program at some damaged networks: let pcl_semantic_label, which
- * tries them in a process of its own, load those first that you have not seen before.
- */
+ * OpenCV 4.6 ends the program at some damaged networks. Load unknown networks with
+ * pcl_semantic_label first, which tries them in a separate process. */
 class NetworkPredictor : public LabelPredictor {
 public:
   /** \param[in] description of the network
    * \param[in] label_set the classes of the distributions
-   * \param[in] model_path the ONNX file; empty = the one the description names
-   * \param[in] engine that computes it; ONNX Runtime does so by as many threads as are
-   * set when it is loaded
+   * \param[in] model_path the ONNX file; empty = the file in the description
+   * \param[in] engine ONNX Runtime uses the number of threads set at this moment
    * \throws InvalidParameterException if a channel's class is not in \a label_set, or
    * the engine not in networkEngines()
    * \throws BadInputException if the file cannot be read
-   * \throws BadModelException if it is no network that the engine can load */
+   * \throws BadModelException if the engine cannot load the network */
   NetworkPredictor(const NetworkDescription& description, const LabelSet& label_set,
                    const std::string& model_path = "",
                    NetworkEngine engine = networkEngines().front());

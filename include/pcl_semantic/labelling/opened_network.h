@@ -11,11 +11,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A segmentation network that is ready to label images. */
+/** \brief A loaded segmentation network. */
 struct OpenedNetwork {
   LabelSet label_set;
-  std::string label_set_path; ///< as its description names it
-  std::string model;          ///< path of the network itself (ONNX)
+  std::string label_set_path; ///< from its description
+  std::string model;          ///< path of the network (ONNX)
   std::string engine;         ///< "onnxruntime" or "opencv"
   std::unique_ptr<LabelPredictor> predictor;
 };
@@ -25,14 +25,14 @@ constexpr const char* kEngineHelp =
     "what computes the network: onnxruntime or opencv (default: onnxruntime if this "
     "program was built with it)";
 
-/** \brief The engine that a word names; the fastest one if it is empty.
- * \throws InvalidParameterException if there is none of that name in this build */
+/** \brief Parses an engine's name; empty = the fastest engine.
+ * \throws InvalidParameterException if this build has no such engine */
 NetworkEngine parseEngine(const std::string& engine);
 
 /** \brief Opens a network.
  * \param[in] description path (YAML)
- * \param[in] model path (ONNX); empty = the one that the description names
- * \param[in] engine as parseEngine() takes it
+ * \param[in] model path (ONNX); empty = the one in the description
+ * \param[in] engine as for parseEngine()
  * \throws BadInputException, BadModelException, InvalidParameterException as
  * readNetworkDescription() and NetworkPredictor */
 OpenedNetwork openNetwork(const std::string& description, const std::string& model = "",

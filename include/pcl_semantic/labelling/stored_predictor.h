@@ -8,22 +8,23 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Takes the label distributions of a frame from a folder: NNNNNN.bin, .npy or
+/** \brief Reads the label distributions of a frame from a folder: NNNNNN.bin, .npy or
  * .png, in the formats of readDistributions(). */
 class StoredPredictor : public LabelPredictor {
 public:
-  /** \param[in] folder where the files lie
+  /** \param[in] folder of the files
    * \param[in] classes L
-   * \param[in] png_confidence probability of the class that a .png states, in (0, 1]
+   * \param[in] png_confidence probability of the class in a .png, in (0, 1]
    * \param[in] mapping of the pixels of a .png, see readDistributions()
    * \throws InvalidParameterException if \a classes or \a png_confidence is out of
-   * range \throws BadInputException if there is no such folder */
+   * range
+   * \throws BadInputException if the folder does not exist */
   StoredPredictor(const std::string& folder, int classes, float png_confidence,
                   PixelMapping mapping = {});
 
   void requireFrames(const std::vector<int>& frames) const override;
 
-  /** \throws BadInputException if the frame has no file, more than one, or one that
+  /** \throws BadInputException if the frame has no file, more than one, or a file that
    * does not fit its image */
   LabelDistributions predict(const cv::Mat& image, int frame) override;
 

@@ -16,12 +16,12 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Which points seenPoints() keeps. The window covers the gaps between the beams
- * of a 64-beam scanner (0.5 degrees) in KITTI's images. */
+/** \brief Parameters of seenPoints(). The default window covers the gaps between the
+ * beams of a 64-beam scanner (0.5 degrees) in KITTI's images. */
 struct VisibilityParameters {
   double max_depth = 40.0;       ///< camera z [m]
   int window_columns = 3;        ///< half width of the window for occlusion [px]
-  int window_rows = 7;           ///< half height of it [px]
+  int window_rows = 7;           ///< half height of the window [px]
   double absolute_margin = 0.5;  ///< nearer by more than this ... [m]
   double relative_margin = 0.05; ///< ... and by more than this fraction of the depth
 
@@ -29,14 +29,13 @@ struct VisibilityParameters {
   void validate() const;
 };
 
-/** \brief The pixel that a point falls on; nothing if it is outside the image or
- * nearer than z = 0.1 m. \param[in] point camera frame [m] */
+/** \brief Pixel of a point; none outside the image or nearer than z = 0.1 m.
+ * \param[in] point camera frame [m] */
 std::optional<Eigen::Vector2i> pixelOf(const Eigen::Vector3d& point,
                                        const StereoCamera& camera);
 
-/** \brief The points of a scan in the camera's frame [m]; NaN where there was no return
- * (isReturn()).
- * \param[in] T_camera_sensor pose of what took the cloud in the camera
+/** \brief Transforms a scan to the camera's frame [m]; NaN for no-returns (isReturn()).
+ * \param[in] T_camera_sensor pose of the scanner in the camera
  * \throws BadInputException as requireRigid() */
 template <typename PointT>
 std::vector<Eigen::Vector3d>
@@ -56,26 +55,26 @@ pointsInCamera(const pcl::PointCloud<PointT>& cloud,
   return points;
 }
 
-/** \brief Where the camera sees a point. */
+/** \brief Position of a point in the image. */
 struct SeenPoint {
-  int row = -1;       ///< of the image [px]
-  int column = -1;    ///< likewise
+  int row = -1;       ///< image row [px]
+  int column = -1;    ///< image column [px]
   float depth = 0.0f; ///< camera z [m]; 0 = outside the image, hidden or too far
 };
 
-/** \brief Which points of a scan the camera sees.
+/** \brief Projects a scan into the camera and finds the visible points.
  *
- * The nearest return of a pixel hides the others, unless they lie as near by one of the
- * margins. The scanner looks from another place than the camera, so returns from behind
- * an object shine through between the returns from the object: a return is hidden if,
- * within the window around its pixel, there are nearer returns (by both margins) both
- * at or above and at or below its row. One side alone does not hide it: the road rises
- * from nearer rows below, and what is seen above a roof is truly seen.
- * \param[in] points of one scan, in the camera's frame [m]; those that are not finite
- * are not seen
+ * The nearest return of a pixel hides the others, unless they are within one of the
+ * margins. Scanner and camera have different positions, so returns from behind an
+ * object appear between the returns from the object. Therefore a return is hidden if
+ * the window around its pixel contains nearer returns (by both margins) both at or
+ * above and at or below its row. One side is not enough: the road rises from nearer
+ * rows below, and points above a roof are visible.
+ * \param[in] points of one scan, in the camera's frame [m]; points that are not finite
+ * are invisible
  * \param[in] camera pinhole with its image size
- * \return one a point
- * \throws InvalidParameterException unless the image size is known */
+ * \return one per point
+ * \throws InvalidParameterException if the image size is unknown */
 std::vector<SeenPoint> seenPoints(const std::vector<Eigen::Vector3d>& points,
                                   const StereoCamera& camera,
                                   const VisibilityParameters& parameters = {});

@@ -7,7 +7,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief How the pixels of one scan that hit the same voxel are combined. */
+/** \brief Combination of the pixels of one scan that hit the same voxel. */
 enum class PixelFusion {
   mean,   ///< mean log-likelihood: one measurement per scan
   product ///< every pixel is an independent measurement (eq. (1) of the paper,

@@ -17,24 +17,24 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Where the files of a sequence with ground truth are. */
+/** \brief Folders of a sequence with ground truth. */
 struct CalibrationFolders {
   std::string sequence;      ///< in KITTI's layout, with poses.txt
   std::string labels;        ///< stored label distributions, see StoredPredictor
   std::string truth;         ///< label images (000012.png), 0 = no ground truth
   std::string calibration{}; ///< of the labels (readCalibration); empty = none
-  FrameRange frames{};       ///< that are read, by their numbers
+  FrameRange frames{};       ///< frames to read, by number
 };
 
-/** \brief A sequence with ground truth: what a calibration is fitted to. */
+/** \brief A sequence with ground truth, to fit calibrations. */
 class CalibrationSequence {
 public:
   /** \param[in] classes L, of labels and ground truth
-   * \throws BadInputException if something is missing or does not fit: every frame has
-   * to have labels and a pose, at least one has to have ground truth */
+   * \throws BadInputException unless all inputs exist and fit: every frame needs labels
+   * and a pose, and at least one needs ground truth */
   CalibrationSequence(const CalibrationFolders& folders, int classes);
 
-  /** \brief Last part of the path of the sequence: "05". */
+  /** \brief Last component of the sequence's path: "05". */
   const std::string&
   name() const
   {
@@ -64,7 +64,7 @@ public:
 
   std::unique_ptr<PoseSource> makePoses() const;
 
-  /** \brief Doubts about its trajectory, a line each. */
+  /** \brief Doubts about its trajectory, one per line. */
   const std::vector<std::string>&
   doubts() const
   {
@@ -90,35 +90,38 @@ private:
   StoredTrajectory trajectory_;
 };
 
-/** \brief The ground truth pixels of a sequence: what the network says there, and where
- * they are (frameFeatures). \param[in] config its disparity engine and max_deviation
- * are used \param[in] ground the classes of the ground \param[in] curves of which the
- * samples' \a frames have histograms */
+/** \brief Returns the pixels of a sequence with ground truth: their predictions and
+ * features (frameFeatures).
+ * \param[in] config only its disparity engine and max_deviation are used
+ * \param[in] ground the classes of the ground
+ * \param[in] curves features of the histograms in \a frames of the samples */
 CalibrationSamples calibrationSamples(const CalibrationSequence& sequence,
                                       const MapperConfig& config,
                                       const std::vector<Label>& ground,
                                       const std::vector<FeatureKnots>& curves);
 
-/** \brief A calibration of several sequences, and what it is worth on one that it was
- * not fitted to. */
+/** \brief A calibration from several sequences, and its evaluation by
+ * cross-validation. */
 struct CalibrationTrial {
   LabelCalibration all;                  ///< fitted to all sequences
-  std::vector<LabelCalibration> without; ///< to all but one; empty if there is but one
-  ConfusionMatrix network;               ///< pixels of all sequences, as they come
+  std::vector<LabelCalibration> without; ///< all but one; empty for one sequence
+  ConfusionMatrix network;               ///< pixels of all sequences, uncalibrated
   ConfusionMatrix fitted;                ///< calibrated by \a all
-  ConfusionMatrix held_out;              ///< each sequence by that without it
+  ConfusionMatrix held_out;              ///< each calibrated without itself
 };
 
-/** \brief Fits calibrations that know what they have seen, if the sequences' samples
- * say it. \throws BadInputException as fitCalibration() */
+/** \brief Fits calibrations, with histograms of the training frames if the samples have
+ * them.
+ * \throws BadInputException as fitCalibration() */
 CalibrationTrial tryCalibration(const std::vector<CalibrationSamples>& sequences,
                                 const std::vector<Label>& ground,
                                 const CalibrationOptions& options);
 
-/** \brief The cliques of a sequence's map as tryCalibration() takes them: the ground
- * truth pixels of a frame are looked up at their own depth and as the map is seen from
- * there (to max_depth); those that meet a voxel in a clique are its ground truth. A
- * sample describes a clique, and weighs the number of its pixels that are of one class.
+/** \brief Returns the cliques of a sequence's map as samples for tryCalibration(). The
+ * ground truth pixels of a frame are projected to voxels twice: at their measured
+ * depth, and by rendering the map (to max_depth). Pixels on a voxel of a clique are its
+ * ground truth. A sample describes a clique; its weight is the number of its pixels of
+ * one class.
  * \param[in] config the map and its cliques; no CRF is run
  * \param[in] ground the classes of the ground */
 CalibrationSamples cliqueSamples(const CalibrationSequence& sequence,

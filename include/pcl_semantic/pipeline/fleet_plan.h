@@ -12,11 +12,11 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A drive of a fleet. */
 struct FleetDrive {
-  std::string name; ///< of the folder of its submaps
+  std::string name; ///< name of the folder of its submaps
   MapInputs inputs;
   MapperConfig config;
   std::string submap_every = "50m"; ///< see parseSubmapLength()
-  std::string corrected_poses; ///< trajectory that places its submaps; empty = none
+  std::string corrected_poses; ///< trajectory that positions its submaps; empty = none
 };
 
 /** \brief The plan of pcl_semantic_fleet (doc/fleet.md). */
@@ -26,11 +26,11 @@ struct FleetPlan {
 };
 
 /** \brief Reads a plan (YAML): `output`, `options` of all drives, and a list `drives`
- * with `name`, `corrected_poses` and options of each. Options are the inputs of a map
- * (MapInputs), its parameters, `submap_every`, and `config`, a file of parameters
- * relative to the plan, which the others override.
- * \throws BadInputException with file and line: a missing key, an unknown option, a
- * value that cannot be, a name that is no name of a folder or there twice */
+ * with `name`, `corrected_poses` and options of each drive. Options are the inputs of a
+ * map (MapInputs), its parameters, `submap_every`, and `config`, a parameter file
+ * relative to the plan, which the other options override.
+ * \throws BadInputException with file and line at a missing key, an unknown option, an
+ * invalid value, or a name that is invalid for a folder or not unique */
 FleetPlan readFleetPlan(const std::string& path);
 
 } // namespace pcl_semantic

@@ -8,8 +8,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The digest of a frame: of its images, or of its cloud.
- * \param[in] labels as they were predicted, or those of the cloud; may be empty */
+/** \brief Computes the digest of a frame: of its images, or of its cloud.
+ * \param[in] labels predicted labels, or those of the cloud; may be empty */
 FrameDigest digestOf(const SensorFrame& frame, const LabelDistributions& labels);
 
 } // namespace pcl_semantic

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Predicts no labels, for a mapper whose labels come later. */
+/** \brief Predicts no labels, for a mapper with late labels. */
 class NoLabels : public LabelPredictor {
 public:
   LabelDistributions
@@ -21,34 +21,33 @@ public:
   }
 };
 
-/** \brief A network that works beside a mapper, in a thread of its own, on one frame
- * at a time: whenever it is free, on the one that was mapped last. When its labels are
- * ready they are fused with the cloud and pose of the frame they belong to. Frames that
- * it had no time for bring depth and colour alone.
+/** \brief Runs a network in its own thread beside a mapper, on one frame at a time:
+ * when idle, it takes the newest mapped frame. Finished labels are fused with the cloud
+ * and pose of their frame. Skipped frames provide only depth and colour.
  *
- * The mapper has NoLabels for its predictor. All functions are called by its thread. */
+ * The mapper's predictor is NoLabels. The mapper's thread must call all functions. */
 class LateLabels {
 public:
-  /** \param[in] predictor nothing else may use it from now on */
+  /** \param[in] predictor must not be used elsewhere afterwards */
   LateLabels(std::unique_ptr<LabelPredictor> predictor, SemanticMapper& mapper);
 
-  /** \brief Waits for the frame that is being labelled. */
+  /** \brief Waits for the current frame. */
   ~LateLabels();
 
-  /** \brief After SemanticMapper::process(): begins with this frame if the network is
-   * free. */
+  /** \brief After SemanticMapper::process(): starts this frame if the network is
+   * idle. */
   void offer(const MappedFrame& mapped);
 
-  /** \brief Before the next one: fuses the labels that are ready.
-   * \return whether there were any
-   * \throws what the predictor threw */
+  /** \brief Before the next frame: fuses finished labels.
+   * \return whether labels were finished
+   * \throws exceptions of the predictor */
   bool fuseReady();
 
-  /** \brief At the end: waits for the frame that is being labelled and fuses its
-   * labels. \throws what the predictor threw */
+  /** \brief At the end: waits for the current frame and fuses its labels.
+   * \throws exceptions of the predictor */
   bool fuseLast();
 
-  /** \brief Frames whose labels are in the map. */
+  /** \brief Number of frames with labels in the map. */
   int
   frames() const
   {
@@ -58,7 +57,7 @@ public:
 private:
   std::unique_ptr<LabelPredictor> predictor_;
   SemanticMapper& mapper_;
-  std::optional<MappedFrame> frame_; // the network works on it
+  std::optional<MappedFrame> frame_; // current frame of the network
   std::future<LabelDistributions> labels_;
   int frames_ = 0;
 };

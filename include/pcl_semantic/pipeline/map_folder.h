@@ -15,16 +15,15 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct MapSummary {
   double voxel_size = 0.0;                          ///< [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]
-  /// Numbers of the frames that are in the map; `live`, which is being made, names
-  /// none.
+  /// Numbers of the frames in the map; none for the unfinished map in `live`.
   std::optional<std::vector<int>> frames;
-  /// Whether its run came to its end: one that was interrupted leaves the map of the
-  /// frames that it had.
+  /// Whether the run finished. An interrupted run leaves the map of its frames so far.
   bool is_whole = true;
 };
 
 /** \brief Reads summary.json of a folder.
- * \throws BadInputException if it is missing or damaged, or there is no map yet */
+ * \throws BadInputException if it is missing or damaged, or the map does not exist
+ * yet */
 MapSummary readMapSummary(const std::string& folder);
 
 } // namespace pcl_semantic

@@ -23,116 +23,119 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct MapOutputs {
   std::string folder; ///< of MappingOutput; empty = none
   MappingArchive::Options archive;
-  /// Further files for evaluation, with commas between them: measured, depth,
+  /// Additional files for evaluation, separated by commas: measured, depth,
   /// probabilities, scans; see ExtraOptions.
   std::string also;
   double scan_within = 0.0; ///< ExtraOptions::within [m]
-  bool images = true;       ///< of the frames, if a camera takes them
+  bool images = true;       ///< write images of the frames, if they are from a camera
   bool centres = false;     ///< ExtraOptions::centres
-  NamedValues summary;      ///< further inputs that the summary lists
+  NamedValues summary;      ///< additional inputs listed in the summary
 };
 
-/** \brief Follows a map run. */
+/** \brief Observes a map run. */
 class MapRunObserver {
 public:
   virtual ~MapRunObserver() = default;
 
-  /** \brief Whether the run ends before the next frame. */
+  /** \brief Whether to end the run before the next frame. */
   virtual bool
   isInterrupted()
   {
     return false;
   }
 
-  /** \brief Whether MappingOutput::writeLive() is to be called after this frame. */
+  /** \brief Whether to call MappingOutput::writeLive() after this frame. */
   virtual bool
   isWatched()
   {
     return false;
   }
 
-  /** \brief A frame was read, and is mapped next. */
+  /** \brief Called after reading a frame, before mapping it. */
   virtual void
   onFrame(const SensorFrame& /*frame*/)
   {}
 
-  /** \brief The frame is in the map. */
+  /** \brief Called after a frame was added to the map. */
   virtual void
   onMapped(const SensorFrame& /*frame*/, const MappedFrame& /*mapped*/)
   {}
 
-  /** \brief A doubt about the inputs or the map, in one line. */
+  /** \brief Called with a doubt about the inputs or the map, in one line. */
   virtual void
   onDoubt(const std::string& /*doubt*/)
   {}
 
-  /** \brief A step that is of interest if something goes wrong, in one line. */
+  /** \brief Called with the current step, in one line, to help find errors. */
   virtual void
   onNote(const std::string& /*note*/)
   {}
 };
 
-/** \brief Makes one map of the frames of a source: mapper, archive and output files. */
+/** \brief Makes one map from the frames of a source: mapper, archive and output
+ * files. */
 class MapRun {
 public:
-  /** \param[in] inputs as openInputs() has opened them
-   * \param[in] config its values are valid
-   * \param[in] observer null = none; has to live as long as the run
+  /** \param[in] inputs result of openInputs()
+   * \param[in] config must be valid
+   * \param[in] observer null = none; must outlive the run
    * \throws InvalidParameterException if outputs do not fit the inputs
-   * \throws BadInputException before anything is written, if a frame lacks a pose or
-   * stored labels */
+   * \throws BadInputException before any output, if a frame lacks a pose or stored
+   * labels */
   MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outputs = {},
          MapRunObserver* observer = nullptr);
 
   ~MapRun();
 
-  /** \brief Everything that the map depends on. */
+  /** \brief All inputs and parameters that affect the map. */
   const MappingRun&
   description() const
   {
     return run_;
   }
 
-  /** \brief Whether the archive exists and holds the finished map of these inputs:
-   * reads all frames and compares them. Removes the archive of another run, or a
-   * damaged one. \return also false if it holds a part of that map \throws
-   * OutputException if it cannot be removed */
+  /** \brief Whether the archive exists and contains the finished map of these inputs.
+   * Reads and compares all frames. Removes a damaged archive or one of another run.
+   * \return also false if the archive contains a part of the map
+   * \throws OutputException if it cannot be removed */
   bool isMade();
 
-  /** \brief Labels frames in a thread of its own, see LateLabels; before run(). */
+  /** \brief Labels frames in a separate thread, see LateLabels. Call it before
+   * run(). */
   void
   labelLate()
   {
     labels_late_ = true;
   }
 
-  /** \brief Maps the frames until their end or an interrupt and writes the outputs. An
-   * error after the first live frame ends the run, but not without the map so far.
+  /** \brief Maps the frames until their end or an interrupt and writes the outputs.
+   * After an error in a live source, the outputs contain the map of the previous
+   * frames.
    * \throws BadInputException, BadModelException, OutputException */
   void run();
 
-  /** \brief After run(). */
+  /** \brief The map; valid after run(). */
   const SemanticVoxelMap&
   map() const
   {
     return mapper_->map();
   }
 
-  /** \brief Frames that the archive held already. */
+  /** \brief Number of frames in the archive before the run. */
   std::size_t
   framesBefore() const
   {
     return frames_before_;
   }
 
-  /** \brief Frames that run() has mapped. */
+  /** \brief Number of frames mapped by run(). */
   std::size_t
   framesMapped() const
   {
     return frames_mapped_;
   }
 
-  /** \brief Frames whose labels came late and are in the map. */
+  /** \brief Number of frames with late labels in the map. */
   int
   framesLabelledLate() const
   {
@@ -171,7 +174,7 @@ private:
   MappingRun run_;
   ExtraOptions extras_;
   bool labels_late_ = false;
-  const PoseSource* poses_ = nullptr; // that the mapper has
+  const PoseSource* poses_ = nullptr; // owned by the mapper
   std::unique_ptr<SemanticMapper> mapper_;
   std::optional<LateLabels> late_labels_;
   std::size_t frames_before_ = 0, frames_mapped_ = 0;
@@ -180,8 +183,8 @@ private:
   bool has_doubted_distance_ = false;
 };
 
-/** \brief Removes an archive and the files that SQLite has put beside it, if they
- * exist. \throws OutputException */
+/** \brief Removes an archive and SQLite's files beside it, if they exist.
+ * \throws OutputException */
 void removeArchive(const std::string& path);
 
 } // namespace pcl_semantic

@@ -11,14 +11,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Maps a whole sequence in one call. Its poses are those of its own trajectory
- * or, without one, found in the images (StereoOdometry).
- * \param[in] label_set the classes that \a predictor gives
- * \param[out] doubts if not null: those of the trajectory, see readTrajectory(), are
- * added to it
- * \return all occupied voxels, refined as \a config says
+/** \brief Maps a whole sequence in one call. The poses are from the sequence's
+ * trajectory or, without one, from StereoOdometry.
+ * \param[in] label_set the classes of \a predictor
+ * \param[out] doubts if not null: doubts about the trajectory are appended, see
+ * readTrajectory()
+ * \return all occupied voxels, refined according to \a config
  * \throws InvalidParameterException, BadInputException or BadModelException as
- * SemanticMapper; before the first frame, if one has no pose in the trajectory */
+ * SemanticMapper; before the first frame, if the trajectory lacks a frame's pose */
 VoxelCloud mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
                        std::unique_ptr<LabelPredictor> predictor,
                        const MapperConfig& config = MapperConfig(),

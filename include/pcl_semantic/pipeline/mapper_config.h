@@ -13,24 +13,23 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Everything that can be set of SemanticMapper. doc/parameters.md has the
- * reasons for the defaults. */
+/** \brief All parameters of SemanticMapper. doc/parameters.md explains the defaults. */
 struct MapperConfig {
-  std::string stereo = "sgm"; ///< engine, one of disparityEngines()
-  int disparities = 128;      ///< range of the stereo search [px]
-  double max_deviation = 0.0; ///< less sure disparities give no depth [px]; 0 = all do
+  std::string stereo = "sgm";    ///< engine, one of disparityEngines()
+  int disparities = 128;         ///< range of the stereo search [px]
+  double max_deviation = 0.0;    ///< deviation limit of disparities [px]; 0 = none
   double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
   double min_hit_ratio = 0.33;   ///< see eraseSeenThrough(); 0 = off
-  double label_confidence = 0.8; ///< probability of the class a stored `.png` states
-  int network_every = 1; ///< 1 = the labels of each frame count, 3 = of every third
+  double label_confidence = 0.8; ///< probability of the class in a stored `.png`
+  int network_every = 1;         ///< uses the labels of every n-th frame
   SemanticVoxelMap::Parameters map;
   CRFModelType crf = CRFModelType::dense; ///< unary: the CRF is not run
-  int crf_every = 1;           ///< 1 = the CRF runs at each frame, 2 = at every other
-  bool crf_write_back = false; ///< what it concludes is the prior of later frames
-  std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
+  int crf_every = 1;                      ///< runs the CRF at every n-th frame
+  bool crf_write_back = false; ///< uses the CRF's result as prior of later frames
+  std::string cliques = "cubes:1"; ///< of the last two models, see makeCliqueGenerator
   CliqueParameters clique_parameters;
-  std::string clique_exclude = "none"; ///< classes with commas between: voxels that
-                                       ///< are likely one of them are in no clique
+  std::string clique_exclude = "none"; ///< classes with commas between: voxels
+                                       ///< that probably are one join no clique
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   int threads = 0; ///< 0 = all processors
 
@@ -46,18 +45,18 @@ const std::string& nameOf(CRFModelType model);
 /** \brief The parameters of a config, in the order of the data flow. */
 ConfigParameters parametersOf(MapperConfig& config);
 
-/** \brief The labels of class names with commas between them; of "none" there are none.
- * \param[in] what has the list, for messages: "--ground"
+/** \brief Parses class names separated by commas; "none" gives an empty list.
+ * \param[in] what name of the list, for messages: "--ground"
  * \throws InvalidParameterException at a name that is not in the label set */
 std::vector<Label> listedLabels(const std::string& names, const LabelSet& label_set,
                                 const std::string& what);
 
-/** \brief Sets the parameters a YAML file names; the others keep their values.
+/** \brief Sets the parameters in a YAML file; the others keep their values.
  * \param[in] path empty = no file
- * \throws BadInputException with file and line, at a misspelt key for example */
+ * \throws BadInputException with file and line, for example at an unknown key */
 void readMapperConfig(const std::string& path, MapperConfig& config);
 
-/** \brief The whole config as a YAML file that readMapperConfig takes. */
+/** \brief Prints the config as a YAML file for readMapperConfig(). */
 std::string printMapperConfig(const MapperConfig& config);
 
 } // namespace pcl_semantic

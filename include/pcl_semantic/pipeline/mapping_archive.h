@@ -12,55 +12,55 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Keeps a run in a map archive, so that it can be killed at any moment and go
- * on; without a path it keeps nothing.
+/** \brief Stores a run in a map archive, so that a killed run can be resumed. Without a
+ * path it stores nothing.
  *
- * A commit holds all that the rest of the run depends on: the map with its window, its
- * origin, and the frames that are in it. A run that goes on maps the frames after the
- * last commit (again), and ends with the map that it would have made at one go. */
+ * A commit contains everything that the rest of the run depends on: the map with its
+ * window and origin, and its frames. A resumed run maps the frames after the last
+ * commit (again), and its map is identical to that of an uninterrupted run. */
 class MappingArchive {
 public:
   struct Options {
     std::string path;    ///< of the archive; empty = none
-    int every = 10;      ///< a commit every so many frames
-    bool resume = false; ///< go on with what is there; begin if nothing is
+    int every = 10;      ///< frames per commit
+    bool resume = false; ///< resume an existing run, or begin a new one
   };
 
-  /** \throws InvalidParameterException if options make no sense
-   * \throws BadInputException if the archive is of another run: names what differs
-   * \throws OutputException if it cannot be written, or is there and not resumed */
+  /** \throws InvalidParameterException if options contradict each other
+   * \throws BadInputException that names the difference, if the archive is of another
+   * run
+   * \throws OutputException if it cannot be written, or exists and is not resumed */
   MappingArchive(const Options& options, const MappingRun& run);
 
-  /** \brief Removes an archive that it made and that holds no frame: a run that failed
-   * at once can be begun again. */
+  /** \brief Removes a new archive without frames, so that a run that failed at its
+   * start can be repeated. */
   ~MappingArchive();
 
   /** \brief For SemanticMapper; null without an archive. */
   std::shared_ptr<BlockStore> store() const;
 
-  /** \brief Takes the mapper to where the archive left it. */
+  /** \brief Restores the state of the mapper from the archive. */
   void resume(SemanticMapper& mapper) const;
 
-  /** \brief Of the frames that the archive held already. */
+  /** \brief Records of the frames in the archive before the run. */
   const std::vector<FrameRecord>&
   records() const
   {
     return records_;
   }
 
-  /** \brief After each frame: commits, if it is time. */
+  /** \brief Adds a frame after mapping; commits at the set interval. */
   void add(const SensorFrame& frame, const MappedFrame& mapped, SemanticMapper& mapper);
 
-  /** \brief After the last frame, or an interrupt: ends the map and commits. A live
-   * run, whose frames are not known before, ends where it is interrupted. */
+  /** \brief After the last frame or an interrupt: finishes the map and commits. For a
+   * live run, whose length is unknown, an interrupt is its regular end. */
   void finish(SemanticMapper& mapper);
 
-  /** \brief After an error: likewise, but the archive says that it is not finished. */
+  /** \brief After an error: like finish(), but the archive is marked as unfinished. */
   void abandon(SemanticMapper& mapper);
 
-  /** \brief When nothing is read from the map any more: brings the archive into one
-   * file. \return false if another program kept reading it: FILE-wal then belongs to it
-   */
+  /** \brief Merges SQLite's log into the archive, after the last read of the map.
+   * \return false if another program still reads the archive and keeps FILE-wal */
   bool close();
 
 private:
@@ -68,7 +68,7 @@ private:
 
   Options options_;
   std::shared_ptr<MapArchive> archive_;
-  std::vector<FrameRecord> records_; // that were in the archive
+  std::vector<FrameRecord> records_; // records in the archive before the run
   int last_frame_ = -1;              // of the run
   int added_frame_ = -1;
   int since_commit_ = 0;

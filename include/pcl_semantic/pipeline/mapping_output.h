@@ -15,42 +15,41 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Output of a run beside the map, for evaluation. */
+/** \brief Additional output of a run, for evaluation. */
 struct ExtraOptions {
-  bool images = true;         ///< of each frame, if a camera takes them
-  bool centres = false;       ///< the points of the map are the centres of its voxels
+  bool images = true;         ///< of each frame, if it is from a camera
+  bool centres = false;       ///< use voxel centres as points of the map
   bool measured = false;      ///< labels of the fused measurements, before the CRF
   bool depth = false;         ///< measured depth of the pixels
-  bool probabilities = false; ///< of the classes, where labels_at_depth has labels
-  /// Points of a frame's scan, which is to be labelled, in the frame of the sensor
-  /// whose poses the map has [m]; null = no scans. May throw BadInputException.
+  bool probabilities = false; ///< of the classes, for the labels in labels_at_depth
+  /// Points of a frame's scan to label, in the frame of the sensor of the poses [m];
+  /// null = no scans. May throw BadInputException.
   std::function<std::vector<Eigen::Vector3d>(int frame)> scan;
-  double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
+  double within = 0.0; ///< radius to search for a point's nearest voxel [m]
 };
 
 class ExtraOutput;
 class FolderLock;
 
-/** \brief Writes what mapping a sequence leaves behind into a folder: pictures and
- * label images a frame, the map and its summary at the end (README, "What it writes").
- */
+/** \brief Writes the result of mapping a sequence to a folder: images and label images
+ * per frame, and the map and its summary at the end (see the README). */
 class MappingOutput {
 public:
-  /** \brief Makes the folders. What an earlier run left in them stays until the first
-   * frame is written; a finished map then lies in `previous` until the new one is
-   * whole.
+  /** \brief Creates the folders. Files of an earlier run are kept until the first frame
+   * is written. Then a finished map is moved to `previous` until the new one is
+   * complete.
    *
-   * \param[in] run what is mapped; without a camera there are no images. Its inputs
-   * go to the summary
-   * \param[in] records of the frames that are in the map already, of a run that goes
-   * on: images of others are removed with the first frame that is written
-   * \param[in] extra what is written beside the map
+   * \param[in] run mapped inputs; without a camera there are no images. The summary
+   * lists the inputs
+   * \param[in] records of the frames already in the map of a resumed run; images of
+   * other frames are removed when the first frame is written
+   * \param[in] extra additional output
    *
-   * \throws InvalidParameterException if \a extra asks for measured labels, depth or
-   * probabilities, but not for images
-   * \throws BadInputException if images of those frames are missing
-   * \throws OutputException also if images lie there that no run of ours has left, or
-   * another run is writing there */
+   * \throws InvalidParameterException if \a extra requests measured labels, depth or
+   * probabilities, but no images
+   * \throws BadInputException if images of these frames are missing
+   * \throws OutputException also if the folder contains images of no run, or another
+   * run writes to it */
   MappingOutput(const std::string& folder, const MappingRun& run,
                 std::vector<FrameRecord> records = {}, ExtraOptions extra = {});
 
@@ -59,26 +58,27 @@ public:
   /** \brief Names of the files and folders in the output folder. */
   static const std::vector<std::string>& names();
 
-  /** \brief labels, labels_at_depth, network_labels and overlay of a frame, if there
-   * are images.
+  /** \brief Writes labels, labels_at_depth, network_labels and overlay of a frame, if
+   * images are enabled.
    * \throws OutputException */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 
-  /** \brief The map as it is around the sensor now, for programs that look on while it
-   * is made: `live`, a map folder of its own (map.pcd, label_set.yaml, trajectory.txt,
-   * summary.json, which is written last), until finish(). Its points are centres if
-   * those of the map will be. After writeFrame(). \throws OutputException */
+  /** \brief Writes the current map around the sensor for viewers: `live`, a separate
+   * map folder (map.pcd, label_set.yaml, trajectory.txt, and summary.json last) that
+   * exists until finish(). Its points are centres if those of the final map will be.
+   * Call it after writeFrame().
+   * \throws OutputException */
   void writeLive(const MappedFrame& mapped) const;
 
-  /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,
-   * trajectory.txt, summary.json.
-   * \param[in] is_whole false if an error has ended the run: the summary then says
-   * that it is not finished, and an earlier map stays in `previous`
+  /** \brief Writes map.pcd, map_classes.pcd, label_set.yaml, final_labels,
+   * top_view.png, trajectory.txt, summary.json.
+   * \param[in] is_whole false if an error has ended the run: the summary then marks it
+   * as unfinished, and an earlier map stays in `previous`
    * \throws OutputException */
   void finish(const SemanticVoxelMap& map, bool is_whole = true);
 
-  /** \brief How far the frames are from what their label calibration was learned from,
-   * the median of domainShift(); NaN = not known. */
+  /** \brief Median of domainShift() over the frames: their distance from the training
+   * data of the label calibration. NaN = unknown. */
   double domainShift() const;
 
 private:
@@ -101,11 +101,11 @@ private:
   std::string folder_;
   MappingRun run_;
   std::vector<FrameRecord> frames_;
-  bool has_images_; // of the frames
+  bool has_images_; // writes images of the frames
   bool centres_;
   std::unique_ptr<ExtraOutput> extra_;
   std::unique_ptr<FolderLock> lock_;
-  bool replaced_ = false; // an earlier run's files are gone
+  bool replaced_ = false; // files of an earlier run are removed
 };
 
 } // namespace pcl_semantic

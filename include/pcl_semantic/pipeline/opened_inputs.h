@@ -22,17 +22,17 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Ways to open inputs that a program may replace. */
+/** \brief Functions to open inputs, which a program may replace. */
 struct InputOpeners {
   std::function<OpenedNetwork(const std::string& description, const std::string& model,
                               const std::string& engine)>
       network = openNetwork;
-  VideoOpener videos; ///< null: videos are refused
+  VideoOpener videos; ///< null = videos are refused
   /// If set, opens the sequence as live frames, after labels and trajectory.
   std::function<std::unique_ptr<FrameSource>(const SequenceFiles&)> live;
 };
 
-/** \brief Points of a frame's scan in the frame of the sensor whose poses the map has
+/** \brief Returns the points of a frame's scan, in the frame of the sensor of the poses
  * [m]. */
 using ScanReader = std::function<std::vector<Eigen::Vector3d>(int frame)>;
 
@@ -41,20 +41,20 @@ struct OpenedInputs {
   std::unique_ptr<FrameSource> source;
   std::unique_ptr<PoseSource> poses;
   LabelSet label_set;
-  std::unique_ptr<LabelPredictor> predictor; ///< null: clouds, which bring their labels
-  bool labels_are_stored = true;             ///< not those of a network
-  bool has_odometry = false;                 ///< poses are found in the images
+  std::unique_ptr<LabelPredictor> predictor; ///< null: labels are part of the clouds
+  bool labels_are_stored = true;             ///< false: from a network
+  bool has_odometry = false;                 ///< poses are estimated from the images
   std::optional<LabelCalibration> label_calibration, clique_calibration;
-  std::string name;                    ///< for messages
-  NamedValues values;                  ///< all that the map depends on, for its archive
-  std::function<ScanReader()> scans;   ///< opens the scans; null = there are none
-  std::optional<LabelMapping> mapping; ///< whose copies count numbers that it lacks
+  std::string name;                       ///< for messages
+  NamedValues values;                     ///< all that affects the map, for its archive
+  std::function<ScanReader()> scans;      ///< opens the scans; null = none
+  std::optional<LabelMapping> mapping;    ///< its copies count the numbers it lacks
   std::string mapping_name, mapping_unit; ///< for textOfLacking()
-  std::vector<std::string> doubts;        ///< a line each
+  std::vector<std::string> doubts;        ///< one per line
 };
 
 /** \brief Opens the inputs of a map.
- * \param[in] config network_every and label_confidence are used
+ * \param[in] config only network_every and label_confidence are used
  * \throws InvalidParameterException, BadInputException, BadModelException */
 OpenedInputs openInputs(const MapInputs& inputs, const MapperConfig& config,
                         const InputOpeners& openers = {});

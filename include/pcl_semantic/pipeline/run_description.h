@@ -19,13 +19,13 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief All inputs of a run that its result depends on. */
+/** \brief All inputs that affect the result of a run. */
 struct MappingRun {
-  /** Names and values: ("sequence", "kitti/05"). Of a value that is the path of a file
-   * its bytes count too. */
+  /** Names and values: ("sequence", "kitti/05"). If a value is a file's path, the
+   * file's bytes are included. */
   std::vector<std::pair<std::string, std::string>> inputs;
   std::vector<int> frames;            ///< numbers, in order
-  std::optional<StereoCamera> camera; ///< none: clouds of another sensor
+  std::optional<StereoCamera> camera; ///< none: clouds of a sensor without camera
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   LabelSet label_set;
   MapperConfig config;
@@ -37,19 +37,20 @@ struct MappingRun {
   }
 };
 
-/** \brief A run as text, one "name: value" a line, everything but the number of
- * threads, on which nothing depends. Two runs of the same text make the same map. */
+/** \brief Describes a run as text, one "name: value" per line. The number of threads is
+ * omitted because it has no effect. Runs with equal texts make equal maps. */
 std::string describeRun(const MappingRun& run);
 
-/** \brief The first difference of two such texts, for a message: "voxel_size was 0.1,
- * is 0.2"; empty if there is none. */
+/** \brief Returns the first difference between two descriptions, for a message:
+ * "voxel_size was 0.1, is 0.2"; empty if they are equal. */
 std::string changeOfRun(const std::string& before, const std::string& now);
 
-/** \brief The parameters of a run, from its text; those that it does not name have
- * their defaults. \throws BadInputException if a value cannot be */
+/** \brief Parses the parameters of a run from its description; missing ones have their
+ * defaults.
+ * \throws BadInputException at an invalid value */
 MapperConfig configOf(const std::string& description);
 
-/** \brief The record of a frame, without its digest. */
+/** \brief Returns the record of a frame, without its digest. */
 FrameRecord recordOf(const MappedFrame& mapped);
 
 } // namespace pcl_semantic

@@ -30,10 +30,10 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Seconds of each stage of one frame, in the order they ran. */
+/** \brief Seconds of each stage of one frame, in order. */
 class StageTimes {
 public:
-  /** \brief Runs a stage and keeps its wall time. \return what \a stage returns */
+  /** \brief Runs a stage and stores its wall time. \return the result of \a stage */
   template <typename Stage>
   auto
   measure(const std::string& name, Stage&& stage)
@@ -62,7 +62,7 @@ private:
         times.seconds_.emplace_back(
             name, std::chrono::duration<double>(Clock::now() - start).count());
       }
-      catch (const std::bad_alloc&) { // the stage has done its work
+      catch (const std::bad_alloc&) { // keep the result of the stage
       }
     }
   };
@@ -73,40 +73,39 @@ private:
 /** \brief Result of processing one frame. */
 struct MappedFrame {
   FrameTime frame;          ///< its number and time
-  cv::Mat image;            ///< the left one, or that of the camera; empty: no camera
-  DisparityImage disparity; ///< of each pixel, and how sure it is; of a cloud: empty
+  cv::Mat image;            ///< the left or the camera's image; empty: no camera
+  DisparityImage disparity; ///< with deviations; empty for a cloud
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< camera frame [m], organized
-  bool has_colour = true;                       ///< whether its colours mean anything
-  LabelDistributions network;    ///< L x pixels (or points), as they were labelled;
-                                 ///< empty where they were not (network_every)
-  LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
-                                 ///< there is no calibration, or no labels
+  bool has_colour = true;                       ///< whether the cloud has valid colours
+  LabelDistributions network;    ///< L x pixels (or points), before calibration;
+                                 ///< empty for unlabelled frames (network_every)
+  LabelDistributions calibrated; ///< L x pixels, fused instead; empty without
+                                 ///< calibration or labels
   double domain_shift =
       std::numeric_limits<double>::quiet_NaN(); ///< domainShift() of
-                                                ///< the calibration; NaN = not known
+                                                ///< the calibration; NaN = unknown
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  ScanCounts counts; ///< of the scan that went into the map
+  ScanCounts counts; ///< of the scan added to the map
   VoxelCloud voxels; ///< the occupied voxels of the window after this frame
   StageTimes times;
 };
 
 class MapCliques;
 
-/** \brief The whole pipeline: stereo or RGB-D frames go in, or labelled clouds of any
- * sensor, and a semantic map grows. */
+/** \brief The whole pipeline: builds a semantic map from stereo or RGB-D frames, or
+ * from labelled clouds of any sensor. */
 class SemanticMapper {
 public:
   /** \brief Called after each frame. */
   using Callback = std::function<void(const MappedFrame&, const SemanticVoxelMap&)>;
 
   /** \param[in] label_set the classes of the map
-   * \param[in] poses of the sensor: the left camera's, if a camera takes the frames
-   * \param[in] camera that takes the frames, if one does. Clouds are then organized as
-   * its images, in its frame, so that `min_hit_ratio`, calibrations and superpixels can
-   * be used
+   * \param[in] poses of the sensor: of the left camera, if frames are from a camera
+   * \param[in] camera of the frames, if any. Clouds must then be organized like its
+   * images, in its frame, which enables `min_hit_ratio`, calibrations and superpixels
    * \param[in] predictor class probabilities of the pixels of stereo pairs and RGB-D
-   * images, which also need the camera; null = frames are clouds, which bring theirs
-   * \param[in] store where voxels go that leave the window; null = memory
+   * images, which require the camera; null = frames are labelled clouds
+   * \param[in] store for voxels that leave the window; null = memory
    * \throws InvalidParameterException */
   SemanticMapper(const LabelSet& label_set, MapperConfig config,
                  std::unique_ptr<PoseSource> poses,
@@ -116,8 +115,8 @@ public:
 
   ~SemanticMapper();
 
-  /** \brief Goes on with the map that the store holds. Only before the first frame.
-   * \param[in] frames that are in it
+  /** \brief Resumes the map in the store. Call it before the first frame.
+   * \param[in] frames number of frames in it
    * \param[in] finished whether finish() was called after them
    * \param[in] cloud_origin of the map, see SemanticVoxelMap::cloudOrigin */
   void resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin);
@@ -128,35 +127,37 @@ public:
     callback_ = std::move(callback);
   }
 
-  /** \brief Calibrates the labels of each frame before they go into the map.
-   * \throws InvalidParameterException if it is not one of the map's classes */
+  /** \brief Calibrates the labels of each frame before fusion.
+   * \throws InvalidParameterException unless the calibration has the map's classes */
   void setLabelCalibration(LabelCalibration calibration);
 
-  /** \brief Has cliques' costs psi_c(l), eq. (7), from what they are instead of the
-   * mean of their members'.
-   * \throws InvalidParameterException if it is not one of the map's classes, or the
-   * model has no such costs */
+  /** \brief Computes cliques' costs psi_c(l), eq. (7), by a calibration of clique
+   * features instead of the members' mean.
+   * \throws InvalidParameterException unless the calibration has the map's classes and
+   * the model has clique costs */
   void setCliqueCalibration(LabelCalibration calibration);
 
-  /** \brief Takes in one frame: its cloud (of a stereo pair: disparity, cloud, labels),
+  /** \brief Processes one frame: cloud (for a stereo pair: disparity, cloud, labels),
    * pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame, also if a
-   * cloud is not as the camera's images are \throws InvalidParameterException at images
-   * if the mapper was made for clouds */
+   * cloud does not match the camera's images
+   * \throws InvalidParameterException for images, if the mapper was created for
+   * clouds */
   MappedFrame process(const SensorFrame& frame);
 
-  /** \brief Fuses the labels of a frame that was processed without them: its predictor
-   * gave none, since they were not ready. The CRF sees them with the next frame.
-   * \param[in] earlier what process() returned of it; of this the cloud and the pose
+  /** \brief Fuses late labels of a frame that was processed without labels. The CRF
+   * uses them with the next frame.
+   * \param[in] earlier result of process(); only its cloud and pose are used
    * \param[in] labels L x pixels
-   * \throws InvalidParameterException if they are of other classes or pixels */
+   * \throws InvalidParameterException if they have other classes or another number of
+   * pixels */
   void addLabels(const MappedFrame& earlier, LabelDistributions labels);
 
-  /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
-   * that the finished map is refined throughout. */
+  /** \brief Runs the CRF over the window if the last frame skipped it (crf_every), so
+   * that the finished map is completely refined. */
   void finish();
 
-  /** \brief Puts what has changed in the window into the store. */
+  /** \brief Writes changes in the window to the store. */
   void
   flush()
   {
@@ -208,7 +209,7 @@ private:
   std::unique_ptr<MapCliques> cliques_;
   Callback callback_;
   int frames_ = 0;
-  bool refined_ = true; // the CRF has seen the last frame
+  bool refined_ = true; // by the CRF, after the last frame
 };
 
 } // namespace pcl_semantic

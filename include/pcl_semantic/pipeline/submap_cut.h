@@ -17,10 +17,10 @@ struct SubmapFrames {
   FrameTime anchor;  ///< the middle frame, see submapMotion()
 };
 
-/** \brief Reads a length: "50m", or "100" frames. \throws InvalidParameterException */
+/** \brief Parses a length: "50m", or "100" frames. \throws InvalidParameterException */
 SubmapLength parseSubmapLength(const std::string& text);
 
-/** \brief Cuts a recording into submaps, each a run of its own over its frames.
+/** \brief Cuts a recording into submaps. Each is mapped by a separate run.
  * \throws BadInputException if a frame has no pose */
 std::vector<SubmapFrames> cutIntoSubmaps(const OpenedInputs& inputs,
                                          const SubmapLength& length);

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-// PCL instantiates its base classes for its own point types only.
+// PCL instantiates its base classes only for its own point types.
 #include <pcl/filters/impl/filter.hpp>
 #include <pcl/impl/pcl_base.hpp>
 
@@ -19,7 +19,8 @@ namespace pcl_semantic {
 
 namespace detail {
 
-/** \brief A field of a registered point by its tag, whatever its member is called. */
+/** \brief A field of a registered point by its tag, independent of the member's
+ * name. */
 template <typename Tag, typename PointT>
 auto
 getField(const PointT& point)
@@ -32,7 +33,7 @@ getField(const PointT& point)
   return value;
 }
 
-/** \brief Whether a field has more than single precision. */
+/** \brief Whether a field has more precision than a float. */
 template <typename PointT, typename Tag>
 constexpr bool
 isDouble()
@@ -51,7 +52,7 @@ setField(PointT& point, std::uint32_t number)
               &value, sizeof(value));
 }
 
-/** \brief Red, green, blue of packed bytes (`rgba`, or `rgb` as PCL's float). */
+/** \brief Red, green and blue of packed bytes (`rgba`, or `rgb` as PCL's float). */
 template <typename Tag, typename PointT>
 Eigen::Vector3f
 getColour(const PointT& point)
@@ -78,7 +79,7 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud) const
   fields.height = cloud.height;
   fields.positions.resize(3, count);
   using Number = typename pcl::traits::datatype<PointT, label>::type;
-  std::vector<double> numbers; // of labels that may be none
+  std::vector<double> numbers; // labels before validation
   if constexpr (std::is_same<Number, std::uint32_t>::value)
     fields.labels.resize(cloud.size());
   else
@@ -100,7 +101,7 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud) const
   }
   if constexpr (has_rgba || has_rgb)
     fields.colours.resize(3, count);
-#ifdef _OPENMP // it may not be where a user's own point type is compiled
+#ifdef _OPENMP // may be undefined when users compile their point types
 #pragma omp parallel for schedule(static)
 #endif
   for (Eigen::Index i = 0; i < count; ++i) {
