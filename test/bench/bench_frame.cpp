@@ -255,7 +255,8 @@ printProgram(const Frames& data, const std::string& sequence)
           runTool("map " + sequence + " --labels " + folder.path() +
                   " --map-only --crf hierarchical --cliques superpixel --quiet "
                   "--frames 0:" +
-                  std::to_string(frames) + " --output " + folder.path("map"));
+                  std::to_string(frames) + " --output " + folder.path("map"),
+              kStartedAnew);
       if (result.code != 0) {
         std::printf("%s", result.text.c_str());
         std::exit(1);

@@ -1,47 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/served_program.h"
 #include "support/thrown_message.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
-
-#include <sys/wait.h>
 
 namespace pcl_semantic {
 
-/** \brief How a program ended and what it printed, errors included. */
-struct ToolResult {
-  int code = -1; ///< exit code; -1 if it died of a signal
-  std::string text;
-};
-
-/** \brief Runs a command of the shell. */
-inline ToolResult
-runShell(const std::string& command)
-{
-  ToolResult result;
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  if (!pipe)
-    return result;
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;)
-    result.text.append(buffer, n);
-  const int status = pclose(pipe);
-  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
+/** \brief Command before a program that has to be started anew, be it for the limits
+ * of this process or for its time. */
+constexpr const char* kStartedAnew = ":;";
 
 /** \brief Runs a program of the build: "evaluate --help" is pcl_semantic_evaluate.
- * \param[in] before commands for the shell that runs it: "ulimit -v 99999;" */
+ * \param[in] before commands for the shell that runs it: "ulimit -v 99999;"; without
+ * any a program that is loaded already may run it */
 inline ToolResult
 runTool(const std::string& arguments, const std::string& before = "")
 {
-  return runShell(before + " exec " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
-                  arguments + " 2>&1");
+  return before.empty() && isPlain(arguments)
+             ? runServed(arguments)
+             : runShell(before + " " + shellCommandOf(arguments));
 }
 
 /** \brief The same; it has to succeed. \return what it printed */
