@@ -122,7 +122,7 @@ TEST(BadOutput, FullDisk)
         {60000, "map.pcd"}}) {
     const ToolResult result = [&, limit = bytes] {
       const FullDisk disk(limit);
-      return runTool(command);
+      return runTool(command, kStartedAnew);
     }();
     EXPECT_EQ(result.code, 5) << result.text;
     EXPECT_EQ(result.text,

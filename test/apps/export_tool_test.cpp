@@ -214,7 +214,7 @@ TEST(BadOutput, FullDiskOfExports)
     const std::string path = map.path(name);
     const ToolResult result = [&] {
       const FullDisk disk(1200);
-      return runTool("export " + map.path("map") + " " + path);
+      return runTool("export " + map.path("map") + " " + path, kStartedAnew);
     }();
     EXPECT_EQ(result.code, 5) << result.text;
     EXPECT_EQ(result.text,

@@ -256,9 +256,10 @@ printProgram(const Frames& data, const std::string& sequence)
     return medianSeconds(3, [&] {
       const ToolResult result =
           runTool("map " + sequence + " --labels " + folder.path() +
-                  " --map-only --crf hierarchical --cliques superpixel --quiet "
-                  "--frames 0:" +
-                  std::to_string(frames) + " --output " + folder.path("map"));
+                      " --map-only --crf hierarchical --cliques superpixel --quiet "
+                      "--frames 0:" +
+                      std::to_string(frames) + " --output " + folder.path("map"),
+                  kStartedAnew);
       if (result.code != 0) {
         std::printf("%s", result.text.c_str());
         std::exit(1);

@@ -6,6 +6,7 @@
 
 #include "io/sqlite_database.h"
 #include "support/committed_archive.h"
+#include "support/no_waits.h"
 #include "support/run_sql.h"
 #include "support/run_tool.h"
 #include "support/tiny_street.h"
@@ -133,6 +134,7 @@ private:
 
 TEST(Disk, NoFailedCallLosesWhatWasCommitted)
 {
+  const NoWaits no_waits;
   for (const CallFault fault :
        {CallFault::fails, CallFault::disk_full, CallFault::is_short})
     for (long before = 0;; ++before) {
@@ -167,6 +169,7 @@ TEST(Disk, NoFailedCallLosesWhatWasCommitted)
 
 TEST(Disk, WithoutPowerNothingCommittedIsLost)
 {
+  const NoWaits no_waits;
   const TemporaryFolder folder(TemporaryFolder::memory()),
       later(TemporaryFolder::memory());
   const std::string path = folder.path("map");

@@ -4,6 +4,7 @@
 
 #include "io/sqlite_database.h"
 #include "support/committed_archive.h"
+#include "support/no_waits.h"
 #include "support/run_sql.h"
 #include "support/thrown_message.h"
 
@@ -85,6 +86,7 @@ constexpr int kCommits = 2;
 void
 killAndRead(int max_log)
 {
+  const NoWaits no_waits;
   SqliteDatabase::max_log = max_log;
   omp_set_num_threads(1); // a forked process has no other
   auto& commits = *static_cast<int*>(::mmap(
@@ -93,7 +95,7 @@ killAndRead(int max_log)
   bool ended = false;
   for (int calls_before = 0; !ended; ++calls_before) {
     SCOPED_TRACE(calls_before);
-    const TemporaryFolder folder;
+    const TemporaryFolder folder(TemporaryFolder::memory());
     const std::string path = folder.path("map"), copy = folder.path("copy");
     commits = 0;
     ended = runUntil(calls_before, [&] {

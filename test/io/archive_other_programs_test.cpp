@@ -4,6 +4,7 @@
 // bring its log into the file and remove it.
 
 #include "support/archives.h"
+#include "support/no_waits.h"
 #include "support/run_sql.h"
 #include "support/thrown_message.h"
 
@@ -90,6 +91,7 @@ protected:
     blocks_ = before;
   }
 
+  const NoWaits no_waits_;
   const TemporaryFolder folder_{TemporaryFolder::memory()};
   const std::string path_ = folder_.path("map");
   Blocks blocks_;

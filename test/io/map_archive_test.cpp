@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/archives.h"
+#include "support/no_waits.h"
 #include "support/process_limits.h"
 #include "support/thrown_message.h"
 
@@ -144,6 +145,7 @@ TEST(MapArchive, TheSameMapGivesTheSameBytesForAnyNumberOfThreads)
 
 TEST(MapArchive, OnlyOneWrites)
 {
+  const NoWaits no_waits;
   const TemporaryFolder folder;
   const std::string path = folder.path("map");
   const Blocks blocks = makeRandomBlocks(5, 1), more = makeRandomBlocks(9, 2);
@@ -303,6 +305,7 @@ TEST(MapArchive, BlocksThatDoNotFitAreRefused)
 // either one alone is refused.
 TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
 {
+  const NoWaits no_waits;
   const TemporaryFolder folder;
   const std::string path = folder.path("map"), copy = folder.path("copy");
   const Blocks blocks = makeRandomBlocks(20, 1);
@@ -334,6 +337,7 @@ TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
 // SQLite takes any log of that name for the file's own.
 TEST(MapArchive, TheLogOfAnotherArchiveIsRefused)
 {
+  const NoWaits no_waits;
   const TemporaryFolder folder;
   const std::string killed = folder.path("killed"), whole = folder.path("whole");
   const Blocks blocks = makeRandomBlocks(20, 1);

@@ -1,46 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/served_program.h"
 #include "support/thrown_message.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
-
-#include <sys/wait.h>
 
 namespace pcl_semantic {
 
-/** \brief Exit code and output of a program, errors included. */
-struct ToolResult {
-  int code = -1; ///< exit code; -1 after a signal
-  std::string text;
-};
-
-inline ToolResult
-runShell(const std::string& command)
-{
-  ToolResult result;
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  if (!pipe)
-    return result;
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;)
-    result.text.append(buffer, n);
-  const int status = pclose(pipe);
-  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
+/** \brief Shell prefix that starts a program as a new process, for the limits of that
+ * process or for its time. */
+constexpr const char* kStartedAnew = ":;";
 
 /** \brief Runs a program of the build: "evaluate --help" is pcl_semantic_evaluate.
- * \param[in] before shell commands before it: "ulimit -v 99999;" */
+ * \param[in] before shell commands before it: "ulimit -v 99999;"; without any, a loaded
+ * program may run it */
 inline ToolResult
 runTool(const std::string& arguments, const std::string& before = "")
 {
-  return runShell(before + " exec " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
-                  arguments + " 2>&1");
+  return before.empty() && isPlain(arguments)
+             ? runServed(arguments)
+             : runShell(before + " " + shellCommandOf(arguments));
 }
 
 /** \brief Runs a program that must succeed. \return its output */

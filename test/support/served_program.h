@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "support/run_tool.h"
+#include "support/run_shell.h"
 #include "support/temporary_folder.h"
-#include "support/tiny_street.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,28 @@
 #include <unistd.h>
 
 namespace pcl_semantic {
+
+/** \brief Shell command of a program of the build, errors in its output:
+ * "evaluate --help" is pcl_semantic_evaluate. */
+inline std::string
+shellCommandOf(const std::string& arguments)
+{
+  return "exec " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" + arguments + " 2>&1";
+}
+
+/** \brief Whether shellWords() splits a command line as the shell would. */
+inline bool
+isPlain(const std::string& command)
+{
+  bool is_quoted = false;
+  for (const char letter : command) {
+    if (letter == '\'')
+      is_quoted = !is_quoted;
+    else if (!is_quoted && std::strchr("\"$&|;<>*?()~`\\#!{}[]\n\t", letter))
+      return false;
+  }
+  return true;
+}
 
 /** \brief Splits a command line into words, some of them in single quotes. */
 inline std::vector<std::string>
@@ -116,14 +140,17 @@ private:
   pid_t child_ = -1;
 };
 
-/** \brief Faster runTool(): the programs are loaded once.
+/** \brief Runs a program of the build that is loaded already, if there is one, in one
+ * thread at a time.
  * \param[in] arguments as in runTool(), without shell syntax except for single quotes
  */
 inline ToolResult
 runServed(const std::string& arguments)
 {
-  if (!ServedProgram::isThere())
-    return runTool(arguments);
+  static std::mutex mutex;
+  const std::unique_lock<std::mutex> lock(mutex, std::try_to_lock);
+  if (!lock || !ServedProgram::isThere())
+    return runShell(shellCommandOf(arguments));
   static std::map<std::string, ServedProgram> programs;
   std::vector<std::string> words = shellWords(arguments);
   const std::string name = words.at(0);

@@ -25,7 +25,7 @@ struct MapperConfig {
   SemanticVoxelMap::Parameters map;
   CRFModelType crf = CRFModelType::dense; ///< unary: the CRF is not run
   int crf_every = 1;                      ///< runs the CRF at every n-th frame
-  bool crf_write_back = false; ///< uses the CRF's result as prior of later frames
+  bool crf_write_back = false;     ///< uses the CRF's result as prior of later frames
   std::string cliques = "cubes:1"; ///< of the last two models, see makeCliqueGenerator
   CliqueParameters clique_parameters;
   std::string clique_exclude = "none"; ///< classes with commas between: voxels
