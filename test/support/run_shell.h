@@ -8,13 +8,13 @@
 
 namespace pcl_semantic {
 
-/** \brief How a program ended and what it printed, errors included. */
+/** \brief Exit code and output of a program, errors included. */
 struct ToolResult {
-  int code = -1; ///< exit code; -1 if it died of a signal
+  int code = -1; ///< exit code; -1 after a signal
   std::string text;
 };
 
-/** \brief Runs a command of the shell. */
+/** \brief Runs a shell command. */
 inline ToolResult
 runShell(const std::string& command)
 {
