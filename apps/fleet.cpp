@@ -112,7 +112,7 @@ cut(const FleetPlan& plan)
       MapperConfig config = drive.config;
       config.validate();
       drive.inputs.validate(config);
-      const SubmapLength length = parseSubmapLength(drive.submap_every);
+      const SubmapLength length = parseSubmapLength(drive.submap_every, drive.inputs);
       OpenedInputs inputs = openInputsOf(drive.inputs, config);
       const std::vector<SubmapFrames> submaps = cutIntoSubmaps(inputs, length);
       MapWatch watch(drive.inputs.poses, drive.inputs.sequence.strict);

@@ -170,6 +170,7 @@ requireCaptures(const SequenceFiles& sequence)
 void
 mapLive(const MapOptions& options)
 {
+  setNumberOfThreads(options.config.threads);
   catchInterruptsOfMap();
   const LiveSource* source = nullptr;
   InputOpeners openers;
@@ -209,7 +210,6 @@ main(int argc, char** argv)
   return runWithImages("pcl_semantic_live", [&] {
     keepFreedMemory();
     const MapOptions options = parseMapOptions(argc, argv, MapProgram::live);
-    setNumberOfThreads(options.config.threads);
     if (options.every_frame)
       return mapEveryFrame(options);
     requireCaptures(options.inputs.sequence);

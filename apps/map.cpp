@@ -6,8 +6,6 @@
 #include "recorded_map.h"
 #include "tool.h"
 
-#include <pcl_semantic/core/threads.h>
-
 namespace {
 
 using namespace pcl_semantic;
@@ -20,8 +18,8 @@ mapSubmaps(const MapOptions& options)
   const OpenedInputs inputs = openInputsOf(options.inputs, options.config);
   warnOf(inputs.doubts);
   std::size_t done = 0;
-  for (const SubmapFrames& frames :
-       cutIntoSubmaps(inputs, parseSubmapLength(options.submap_every))) {
+  for (const SubmapFrames& frames : cutIntoSubmaps(
+           inputs, parseSubmapLength(options.submap_every, options.inputs))) {
     MapOptions submap = options;
     submap.inputs.frames = frames.range;
     submap.outputs = submapOutputs(options.outputs, frames.range);
@@ -43,7 +41,6 @@ main(int argc, char** argv)
   return runWithImages("pcl_semantic_map", [&] {
     keepFreedMemory();
     const MapOptions options = parseMapOptions(argc, argv, MapProgram::map);
-    setNumberOfThreads(options.config.threads);
     if (options.submap_every.empty())
       printResults(mapRecording(options, openInputsOf(options.inputs, options.config)));
     else

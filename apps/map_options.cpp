@@ -164,12 +164,9 @@ requireArchive(const MapOptions& options)
            "--archive is where --output puts its own files");
   if (options.submap_every.empty())
     return;
-  asUsage([&] { parseSubmapLength(options.submap_every); });
+  asUsage([&] { parseSubmapLength(options.submap_every, options.inputs); });
   refuseIf(!archive.path.empty() || options.view,
            "--submap-every and --archive or --view exclude each other");
-  refuseIf(options.inputs.poses == "viewpoint",
-           "--poses viewpoint and --submap-every exclude each other: submaps are cut "
-           "before the clouds are read");
 }
 
 void

@@ -5,6 +5,7 @@
 #include "network_trial.h"
 #include "tool.h"
 
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <optional>
@@ -21,8 +22,9 @@ public:
   {}
 
   void
-  begin(std::size_t frames)
+  onBegin(std::size_t frames) override
   {
+    catchInterruptsOfMap();
     progress_.emplace("mapping", frames);
   }
 
@@ -50,6 +52,7 @@ OpenedInputs
 openInputsOf(const MapInputs& inputs, const MapperConfig& config,
              VideoOpener open_videos)
 {
+  setNumberOfThreads(config.threads);
   InputOpeners openers;
   openers.network = openTriedNetwork;
   openers.videos = std::move(open_videos);
@@ -67,8 +70,6 @@ mapRecording(const MapOptions& options, OpenedInputs inputs)
   MapRun run(std::move(inputs), options.config, outputs, &watch);
   if (options.view)
     openLiveView(outputs.folder, options.inputs.sequence.folder);
-  catchInterruptsOfMap();
-  watch.begin(run.description().frames.size());
   run.run();
   Results results;
   if (run.framesBefore() > 0)
@@ -93,8 +94,6 @@ mapIntoArchive(const MapOptions& options)
              options.outputs, &watch);
   if (run.isMade())
     return false;
-  catchInterruptsOfMap();
-  watch.begin(run.description().frames.size());
   run.run();
   return true;
 }

@@ -8,8 +8,8 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Opens the inputs of a map, after a trial of the network. \throws as
- * openInputs() */
+/** \brief Sets the number of threads and opens the inputs of a map, after a trial of
+ * the network. \throws as openInputs() */
 OpenedInputs openInputsOf(const MapInputs& inputs, const MapperConfig& config,
                           VideoOpener open_videos = nullptr);
 

@@ -276,6 +276,7 @@ MapRun::makeMapper(std::shared_ptr<BlockStore> store)
 void
 MapRun::mapFrames(MappingArchive& archive, MappingOutput* output)
 {
+  observer_.onBegin(isLive() ? 0 : run_.frames.size() - frames_before_);
   while (!observer_.isInterrupted()) {
     const std::optional<SensorFrame> frame = inputs_.source->next();
     if (!frame)

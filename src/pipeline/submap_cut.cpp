@@ -9,8 +9,11 @@
 namespace pcl_semantic {
 
 SubmapLength
-parseSubmapLength(const std::string& text)
+parseSubmapLength(const std::string& text, const MapInputs& inputs)
 {
+  if (inputs.poses == "viewpoint")
+    badParameter("--poses viewpoint and --submap-every exclude each other: submaps are "
+                 "cut before the clouds are read");
   SubmapLength length;
   const bool is_metres = !text.empty() && text.back() == 'm';
   const char* const end = text.data() + text.size() - (is_metres ? 1 : 0);

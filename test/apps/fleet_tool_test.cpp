@@ -174,6 +174,9 @@ TEST_F(Fleet, RefusesWhatCannotBe)
             "output: none\ndrives:\n  - {name: a, sequence: nowhere, labels: x}\n"},
            {3, "'nonsense' is no option of a drive", begin + ", nonsense: 3}\n"},
            {2, "drive 'a': --submap-every", begin + ", submap_every: 3x}\n"},
+           {2, "drive 'a': --poses viewpoint and --submap-every",
+            "output: none\ndrives:\n  - {name: a, clouds: " + street +
+                ", poses: viewpoint}\n"},
            {3, "drive 'a': nowhere.txt: cannot be read",
             begin + ", corrected_poses: nowhere.txt}\n"},
            {2, "drive 'b': has another voxel size than the first drive",

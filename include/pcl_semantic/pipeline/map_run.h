@@ -51,6 +51,11 @@ public:
     return false;
   }
 
+  /** \brief Called before the first frame. \param[in] frames to map; 0 = unknown */
+  virtual void
+  onBegin(std::size_t /*frames*/)
+  {}
+
   /** \brief Called after reading a frame, before mapping it. */
   virtual void
   onFrame(const SensorFrame& /*frame*/)
@@ -126,13 +131,6 @@ public:
   framesBefore() const
   {
     return frames_before_;
-  }
-
-  /** \brief Number of frames mapped by run(). */
-  std::size_t
-  framesMapped() const
-  {
-    return frames_mapped_;
   }
 
   /** \brief Number of frames with late labels in the map. */

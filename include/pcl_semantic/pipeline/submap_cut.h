@@ -17,8 +17,11 @@ struct SubmapFrames {
   FrameTime anchor;  ///< the middle frame, see submapMotion()
 };
 
-/** \brief Parses a length: "50m", or "100" frames. \throws InvalidParameterException */
-SubmapLength parseSubmapLength(const std::string& text);
+/** \brief Parses the length of a submap: "50m", or "100" frames.
+ * \param[in] inputs that will be cut
+ * \throws InvalidParameterException also if their poses are known only from the clouds
+ */
+SubmapLength parseSubmapLength(const std::string& text, const MapInputs& inputs);
 
 /** \brief Cuts a recording into submaps. Each is mapped by a separate run.
  * \throws BadInputException if a frame has no pose */
