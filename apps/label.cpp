@@ -188,9 +188,7 @@ parse(int argc, char** argv)
             "number of threads; 0 = all processors"}}),
       {"sequence"});
   refuseUnread(values, unreadOptions(arguments));
-  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
-           "--engine needs --network");
-  asUsage([&] { parseEngine(arguments.engine); });
+  asUsage([&] { requireEngine(arguments.engine, arguments.network); });
   if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else
@@ -404,24 +402,12 @@ outputOf(const Arguments& arguments, const std::string& path)
   return (fs::path(arguments.output) / name).string() + ".pcd";
 }
 
-std::vector<std::size_t>
-chooseClouds(const CloudSequence& clouds, const Arguments& arguments)
-{
-  const FrameRange range = parseFrameRange(arguments.frames);
-  std::vector<std::size_t> positions;
-  for (std::size_t i = 0; i < clouds.size(); ++i)
-    if (range.contains(clouds.frameNumber(i)))
-      positions.push_back(i);
-  if (positions.empty())
-    fail<BadInputException>(arguments.clouds, ": has no frame in ", arguments.frames);
-  return positions;
-}
-
 // Selects the clouds to label, after checking all output paths.
 std::vector<std::size_t>
 prepareClouds(const Arguments& arguments, const CloudSequence& clouds)
 {
-  const std::vector<std::size_t> chosen = chooseClouds(clouds, arguments);
+  const std::vector<std::size_t> chosen =
+      chooseFrames(arguments.clouds, clouds, arguments.frames);
   const bool is_cloud = fs::path(arguments.output).extension() == ".pcd";
   refuseIf(is_cloud && chosen.size() > 1,
            "--output is one cloud, but --clouds are " + std::to_string(chosen.size()));
@@ -514,7 +500,7 @@ labelSequence(const Arguments& options)
   refuseOtherFiles(options, options.format == "ids" ? ".png" : ".npy");
   setNumberOfThreads(options.threads);
   const auto sequence = openSequenceOf(options.sequence);
-  const auto frames = chooseFrames(options.sequence, *sequence, options.frames);
+  const auto frames = chooseFrames(options.sequence.name(), *sequence, options.frames);
   const OpenedNetwork network =
       openTriedNetwork(options.network, options.model, options.engine);
   makeOutputFolder(options.output);

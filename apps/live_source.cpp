@@ -46,10 +46,7 @@ LiveSource::LiveSource(const SequenceFiles& files) : files_(files)
   // Pairs that arrive before the mapper is ready are dropped.
   std::unique_ptr<LiveCamera> camera = openCamera(files);
   warnOf(camera->doubts());
-  const std::vector<std::string> doubts = doubtsOf(camera->camera());
-  if (files.strict && !doubts.empty())
-    throw BadInputException(doubts.front());
-  warnOf(doubts);
+  warnOf(doubtsOf(camera->camera(), files.strict));
   sensor_ = {camera->camera(), camera->T_camera0_camera()};
   grabber_ = std::make_unique<StereoGrabber>(std::move(camera));
 }

@@ -161,7 +161,7 @@ track(const Options& options)
                    sequence.posesPath(), folder + "/calib.txt", folder + "/times.txt"},
                   {options.output, options.report});
   const std::vector<std::size_t> frames =
-      chooseFrames(options.sequence, sequence, options.frames);
+      chooseFrames(options.sequence.name(), sequence, options.frames);
   if (options.format == "kitti")
     requireRowsAreFrames(sequence, frames);
   StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),

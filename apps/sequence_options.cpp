@@ -26,22 +26,9 @@ openSequenceOf(const SequenceFiles& files)
   return sequence;
 }
 
-std::vector<std::size_t>
-chooseFrames(const SequenceFiles& files, const FrameSequence& sequence,
-             const std::string& range)
-{
-  std::vector<std::size_t> frames = selectFrames(sequence, parseFrameRange(range));
-  if (frames.empty())
-    fail<BadInputException>(files.name(), ": has no frame in ", range);
-  return frames;
-}
-
 PairWatch::PairWatch(bool strict, const StereoCamera& camera) : PairWatch(strict)
 {
-  const std::vector<std::string> doubts = doubtsOf(camera);
-  if (strict_ && !doubts.empty())
-    throw BadInputException(doubts.front());
-  warnOf(doubts);
+  warnOf(doubtsOf(camera, strict));
 }
 
 PairWatch::~PairWatch()

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/fail.h"
 #include "tool.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/sequence_files.h>
 #include <pcl_semantic/images/sensor_frame.h>
@@ -21,11 +23,19 @@ std::vector<Option> withSequence(SequenceFiles& files, const std::vector<Option>
 /** \brief Opens a sequence and prints its warnings. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequenceOf(const SequenceFiles& files);
 
-/** \brief Indices of the frames in the range A:B.
+/** \brief Positions of the frames in the range A:B.
+ * \param[in] name of the sequence, for the message
  * \throws BadInputException if there are none */
-std::vector<std::size_t> chooseFrames(const SequenceFiles& files,
-                                      const FrameSequence& sequence,
-                                      const std::string& range);
+template <typename Sequence>
+std::vector<std::size_t>
+chooseFrames(const std::string& name, const Sequence& sequence,
+             const std::string& range)
+{
+  std::vector<std::size_t> frames = selectFrames(sequence, parseFrameRange(range));
+  if (frames.empty())
+    fail<BadInputException>(name, ": has no frame in ", range);
+  return frames;
+}
 
 /** \brief Checks the pairs of a run. Warns of each kind of fault once and prints the
  * number of its pairs at the end, or refuses the first suspicious pair. */

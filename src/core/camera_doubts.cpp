@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/camera_doubts.h>
 
+#include "fail.h"
 #include "text_stream.h"
 
 #include <cmath>
@@ -28,6 +29,15 @@ doubtsOf(const StereoCamera& camera)
          << camera.width << " pixels: is it in pixels?";
     doubts.push_back(text.str());
   }
+  return doubts;
+}
+
+std::vector<std::string>
+doubtsOf(const StereoCamera& camera, bool strict)
+{
+  std::vector<std::string> doubts = doubtsOf(camera);
+  if (strict && !doubts.empty())
+    badInput(doubts.front());
   return doubts;
 }
 

@@ -31,23 +31,4 @@ parseFrameRange(const std::string& text)
   return range;
 }
 
-std::vector<std::size_t>
-selectFrames(const FrameSequence& sequence, const FrameRange& range)
-{
-  std::vector<std::size_t> frames;
-  for (std::size_t i = 0; i < sequence.size(); ++i)
-    if (range.contains(sequence.frameNumber(i)))
-      frames.push_back(i);
-  return frames;
-}
-
-std::vector<FrameTime>
-frameTimes(const FrameSequence& sequence, const std::vector<std::size_t>& positions)
-{
-  std::vector<FrameTime> frames;
-  for (const std::size_t i : positions)
-    frames.push_back({sequence.frameNumber(i), sequence.timestamp(i)});
-  return frames;
-}
-
 } // namespace pcl_semantic

@@ -5,13 +5,12 @@
 #include "core/split.h"
 #include "files/file_pattern.h"
 #include "files/is_there.h"
+#include "images/grey_image.h"
 
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/images/image_file.h>
-
-#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -178,20 +177,6 @@ RgbdSequence::doubts() const
     }
   return doubts;
 }
-
-namespace {
-
-cv::Mat
-colourImage(const cv::Mat& image)
-{
-  if (image.channels() == 3)
-    return image;
-  cv::Mat colour;
-  cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
-  return colour;
-}
-
-} // namespace
 
 RgbdFrame
 RgbdSequence::frame(std::size_t i, double max_depth) const

@@ -37,6 +37,14 @@ parseEngine(const std::string& engine)
   return named->second;
 }
 
+void
+requireEngine(const std::string& engine, const std::string& network)
+{
+  if (!engine.empty() && network.empty())
+    badParameter("--engine needs --network");
+  parseEngine(engine);
+}
+
 OpenedNetwork
 openNetwork(const std::string& description, const std::string& model,
             const std::string& engine)

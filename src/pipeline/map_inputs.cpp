@@ -30,9 +30,7 @@ requireLabels(const MapInputs& inputs)
   refuseIf(inputs.labels.empty() == inputs.network.empty(),
            "expected either --labels or --network");
   refuseIf(!inputs.model.empty() && inputs.network.empty(), "--model needs --network");
-  refuseIf(!inputs.engine.empty() && inputs.network.empty(),
-           "--engine needs --network");
-  parseEngine(inputs.engine);
+  requireEngine(inputs.engine, inputs.network);
   refuseIf(!inputs.label_set.empty() && inputs.labels.empty(),
            "--label-set is for --labels; the description of a network names its own");
 }

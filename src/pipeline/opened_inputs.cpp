@@ -26,13 +26,6 @@ namespace pcl_semantic {
 
 namespace {
 
-void
-addTo(std::vector<std::string>& doubts, std::vector<std::string> more)
-{
-  for (std::string& doubt : more)
-    doubts.push_back(std::move(doubt));
-}
-
 template <typename T>
 void
 append(std::vector<T>& values, const std::vector<T>& more)
@@ -86,15 +79,6 @@ choosePoses(const MapInputs& inputs, const FrameSequence& sequence)
   return path.empty() ? "odometry" : path;
 }
 
-void
-openOdometry(OpenedInputs& opened)
-{
-  const FrameSensor& sensor = opened.source->sensor();
-  opened.poses =
-      std::make_unique<StereoOdometry>(*sensor.camera, sensor.T_camera0_sensor);
-  opened.has_odometry = true;
-}
-
 // Reads the laser scans beside the images of a sequence.
 ScanReader
 openScans(const KittiSequence& kitti, const std::vector<FrameTime>& frames,
@@ -121,10 +105,7 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
 {
   std::shared_ptr<FrameSequence> sequence =
       openSequence(inputs.sequence, opened.doubts, openers.videos);
-  const std::vector<std::string> doubts = doubtsOf(sequence->camera());
-  if (inputs.sequence.strict && !doubts.empty())
-    badInput(doubts.front());
-  append(opened.doubts, doubts);
+  append(opened.doubts, doubtsOf(sequence->camera(), inputs.sequence.strict));
   const std::string poses = choosePoses(inputs, *sequence);
   const NamedValues labels = openLabels(inputs, config, openers, opened);
   opened.source =
@@ -137,11 +118,7 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
                     columns = parseScanColumns(inputs.scan_columns)] {
       return openScans(*kitti, frames, columns);
     };
-  if (poses == "odometry")
-    openOdometry(opened);
-  else
-    opened.poses =
-        readPoses(poses, opened.source->sensor().T_camera0_sensor, &opened.doubts);
+  openPoses(poses == "odometry" ? "" : poses, opened);
 }
 
 void
@@ -159,7 +136,7 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
     opened.poses = posesOf(*trajectory, opened.source->sensor().T_camera0_sensor);
   }
   else
-    openOdometry(opened);
+    openPoses("", opened);
   opened.values = inputs.sequence.inputs();
   append(opened.values, {{"live", "true"}, {"poses", poses}});
   append(opened.values, labels);
@@ -173,16 +150,11 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
       inputs.rgbd, readPinholeCamera(inputs.sequence.files.calibration),
       inputs.depth_scale);
   const NamedValues labels = openLabels(inputs, config, openers, opened);
-  const FrameRange range = parseFrameRange(inputs.frames);
-  std::vector<FrameTime> frames;
-  for (std::size_t i = 0; i < sequence->size(); ++i)
-    if (range.contains(int(i)))
-      frames.push_back({int(i), sequence->timestamp(i)});
-  addTo(opened.doubts, sequence->doubts());
+  const auto positions = selectFrames(*sequence, parseFrameRange(inputs.frames));
+  append(opened.doubts, sequence->doubts());
   opened.source = std::make_unique<RecordedFrames>(
-      FrameSensor{sequence->camera()}, frames, [sequence, frames](std::size_t i) {
-        return sequence->frame(std::size_t(frames[i].number));
-      });
+      FrameSensor{sequence->camera()}, frameTimes(*sequence, positions),
+      [sequence, positions](std::size_t i) { return sequence->frame(positions[i]); });
   TextStream scale;
   scale << inputs.depth_scale;
   opened.values = inputs.sequence.inputs();
@@ -191,6 +163,14 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
       {{"rgbd", inputs.rgbd}, {"depth_scale", scale.str()}, {"poses", inputs.poses}});
   append(opened.values, labels);
   opened.poses = readSensorPoses(inputs.poses, PoseFrame::camera, &opened.doubts);
+}
+
+// Reads a cloud whose labels do not matter.
+LabelledCloud
+readCloud(const std::string& path, const std::string& scan_columns)
+{
+  static const LabelMapping any_labels;
+  return readLabelledCloud(path, &any_labels, parseScanColumns(scan_columns, path));
 }
 
 // Opens labelled clouds of a scanner or a camera.
@@ -212,10 +192,10 @@ public:
       opened_.mapping = readLabelMapping(inputs_.label_mapping, opened_.label_set);
     opened_.mapping_name = inputs_.label_mapping;
     opened_.mapping_unit = "points";
-    chooseFrames();
+    positions_ = selectFrames(*clouds_, parseFrameRange(inputs_.frames));
     refuseOptionsOfLabels();
     opened_.source = std::make_unique<RecordedFrames>(
-        sensor(), frames_,
+        sensor(), frameTimes(*clouds_, positions_),
         [clouds = clouds_, positions = positions_, classes, confidence = confidence_,
          mapping = opened_.mapping](std::size_t i) {
           return clouds->frame(positions[i], classes, confidence,
@@ -233,25 +213,6 @@ public:
   }
 
 private:
-  void
-  chooseFrames()
-  {
-    const FrameRange range = parseFrameRange(inputs_.frames);
-    for (std::size_t i = 0; i < clouds_->size(); ++i)
-      if (range.contains(clouds_->frameNumber(i))) {
-        positions_.push_back(i);
-        frames_.push_back({clouds_->frameNumber(i), clouds_->timestamp(i)});
-      }
-  }
-
-  LabelledCloud
-  readCloud(const std::string& path) const
-  {
-    static const LabelMapping any_labels;
-    return readLabelledCloud(path, &any_labels,
-                             parseScanColumns(inputs_.scan_columns, path));
-  }
-
   // Checks the first cloud with labels; the reader warns if others differ.
   void
   refuseOptionsOfLabels() const
@@ -261,7 +222,7 @@ private:
       return;
     for (const std::size_t position : positions_) {
       const std::string& path = clouds_->path(position);
-      const LabelledCloud cloud = readCloud(path);
+      const LabelledCloud cloud = readCloud(path, inputs_.scan_columns);
       if (!cloud.has_labels || cloud.cloud->empty())
         continue;
       if (cloud.distributions.classes() > 0)
@@ -300,7 +261,7 @@ private:
   {
     for (const std::size_t position : positions_) {
       const std::string& path = clouds_->path(position);
-      const auto cloud = readCloud(path).cloud;
+      const auto cloud = readCloud(path, inputs_.scan_columns).cloud;
       if (cloud->empty())
         continue;
       if (!cloud->isOrganized())
@@ -319,10 +280,7 @@ private:
     for (const std::size_t i : positions_)
       paths[clouds_->frameNumber(i)] = clouds_->path(i);
     return [paths, columns = inputs_.scan_columns](int frame) {
-      static const LabelMapping any_labels;
-      const std::string& path = paths.at(frame);
-      LabelledCloud read =
-          readLabelledCloud(path, &any_labels, parseScanColumns(columns, path));
+      LabelledCloud read = readCloud(paths.at(frame), columns);
       addOrigin(read);
       return pointsInCamera(*read.cloud, Eigen::Isometry3d::Identity());
     };
@@ -337,8 +295,7 @@ private:
       opened_.poses =
           readSensorPoses(inputs_.poses, PoseFrame::sensor, &opened_.doubts);
     else
-      opened_.poses = readPoses(
-          inputs_.poses, opened_.source->sensor().T_camera0_sensor, &opened_.doubts);
+      pcl_semantic::openPoses(inputs_.poses, opened_);
   }
 
   const MapInputs& inputs_;
@@ -347,10 +304,21 @@ private:
   ScanColumns columns_;
   std::shared_ptr<const CloudSequence> clouds_;
   std::vector<std::size_t> positions_; // of the frames in clouds_
-  std::vector<FrameTime> frames_;
 };
 
 } // namespace
+
+void
+openPoses(const std::string& trajectory, OpenedInputs& opened)
+{
+  const FrameSensor& sensor = opened.source->sensor();
+  opened.has_odometry = trajectory.empty();
+  if (opened.has_odometry)
+    opened.poses =
+        std::make_unique<StereoOdometry>(*sensor.camera, sensor.T_camera0_sensor);
+  else
+    opened.poses = readPoses(trajectory, sensor.T_camera0_sensor, &opened.doubts);
+}
 
 OpenedInputs
 openInputs(const MapInputs& inputs, const MapperConfig& config,

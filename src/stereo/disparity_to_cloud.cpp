@@ -3,8 +3,7 @@
 
 #include "core/cloud_size.h"
 #include "core/fail.h"
-
-#include <opencv2/imgproc.hpp>
+#include "images/grey_image.h"
 
 #include <cmath>
 #include <limits>
@@ -37,9 +36,7 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
 {
   camera.validate();
   checkImages(disparity, image, camera);
-  cv::Mat bgr = image;
-  if (image.channels() == 1)
-    cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  const cv::Mat bgr = colourImage(image);
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZRGB>(
       static_cast<std::uint32_t>(image.cols), static_cast<std::uint32_t>(image.rows)));
   cloud->is_dense = false;

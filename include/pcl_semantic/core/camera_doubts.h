@@ -14,4 +14,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * pixels. Empty if the image size is unknown. */
 std::vector<std::string> doubtsOf(const StereoCamera& camera);
 
+/** \brief The same warnings.
+ * \param[in] strict refuse the camera instead
+ * \throws BadInputException with the first warning, if strict */
+std::vector<std::string> doubtsOf(const StereoCamera& camera, bool strict);
+
 } // namespace pcl_semantic

@@ -73,12 +73,28 @@ struct FrameRange {
  * \throws InvalidParameterException if the text is invalid or the range empty */
 FrameRange parseFrameRange(const std::string& text);
 
-/** \brief Positions in a sequence of the frames in a range. */
-std::vector<std::size_t> selectFrames(const FrameSequence& sequence,
-                                      const FrameRange& range);
+/** \brief Positions in a sequence of the frames in a range.
+ * \param[in] sequence FrameSequence, CloudSequence or RgbdSequence */
+template <typename Sequence>
+std::vector<std::size_t>
+selectFrames(const Sequence& sequence, const FrameRange& range)
+{
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    if (range.contains(sequence.frameNumber(i)))
+      frames.push_back(i);
+  return frames;
+}
 
 /** \brief Numbers and times of the frames at some positions in a sequence. */
-std::vector<FrameTime> frameTimes(const FrameSequence& sequence,
-                                  const std::vector<std::size_t>& positions);
+template <typename Sequence>
+std::vector<FrameTime>
+frameTimes(const Sequence& sequence, const std::vector<std::size_t>& positions)
+{
+  std::vector<FrameTime> frames;
+  for (const std::size_t i : positions)
+    frames.push_back({sequence.frameNumber(i), sequence.timestamp(i)});
+  return frames;
+}
 
 } // namespace pcl_semantic

@@ -43,6 +43,13 @@ public:
     return frames_.at(i).name;
   }
 
+  /** \brief Number of the i-th frame: i. */
+  int
+  frameNumber(std::size_t i) const
+  {
+    return static_cast<int>(i);
+  }
+
   /** \brief Time of the colour image [s], or 0.1 s per frame. */
   double
   timestamp(std::size_t i) const

@@ -29,6 +29,10 @@ constexpr const char* kEngineHelp =
  * \throws InvalidParameterException if this build has no such engine */
 NetworkEngine parseEngine(const std::string& engine);
 
+/** \brief Checks an engine by its name, as options have it.
+ * \throws InvalidParameterException as parseEngine(), or without a network */
+void requireEngine(const std::string& engine, const std::string& network);
+
 /** \brief Opens a network.
  * \param[in] description path (YAML)
  * \param[in] model path (ONNX); empty = the one in the description

@@ -53,6 +53,12 @@ struct OpenedInputs {
   std::vector<std::string> doubts;        ///< one per line
 };
 
+/** \brief Opens the poses of a stereo source, or of clouds in camera 0.
+ * \param[in] trajectory path; empty = odometry
+ * \param[in,out] opened its source must be open
+ * \throws BadInputException as readPoses() */
+void openPoses(const std::string& trajectory, OpenedInputs& opened);
+
 /** \brief Opens the inputs of a map.
  * \param[in] config only network_every and label_confidence are used
  * \throws InvalidParameterException, BadInputException, BadModelException */
