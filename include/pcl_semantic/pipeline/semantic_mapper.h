@@ -106,7 +106,7 @@ public:
   using Callback = std::function<void(const MappedFrame&, const SemanticVoxelMap&)>;
 
   /** \param[in] label_set the classes of the map
-   * \param[in] poses source of the sensor's poses. The sensor of camera frames is the
+   * \param[in] poses source of the sensor's poses. The sensor of stereo pairs is the
    * left camera
    * \param[in] camera rectified camera of the frames; none for clouds of another
    * sensor. If it is given, clouds must be organized like its images and in its frame.
