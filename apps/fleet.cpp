@@ -203,7 +203,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
     for (const MapTile& tile : tilesOf(tasks[i].submap()))
       own.push_back(std::to_string(i) + " " + std::to_string(tile.y) + " " +
                     std::to_string(tile.x));
-  std::map<MapTile, std::set<std::size_t>> reached; // by task
+  std::map<MapTile, std::set<std::size_t>> reached; // tasks by tile
   for (const std::string& text : ranks.gather(own)) {
     std::size_t task = 0;
     MapTile tile;
@@ -233,7 +233,8 @@ removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
   }
 }
 
-// Removes submaps of an earlier plan: archives named by their first frame.
+// Removes the submaps that are not in the plan. The first frame names the archive of a
+// submap.
 void
 removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
 {

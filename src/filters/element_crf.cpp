@@ -106,7 +106,7 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
     negateLogs(column.data(), std::size_t(classes), 1e-30f);
     column *= float(-1.0 / options.temperature);
     distributionFromLog(column.data(), classes, column.data());
-    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // after rounding
+    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // by rounding
       column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
   }
 }

@@ -19,7 +19,7 @@ constexpr double kLogScale = double(std::int64_t(1) << 40);
 
 constexpr std::uint32_t kMaxColourCount = 1u << 22; // as in VoxelMeasurement
 
-// A voxel of one map that was hit.
+// A voxel that was hit, in one of the maps.
 struct Source {
   const VoxelRecord* record;
   const float *measured, *refined; // L values
@@ -79,8 +79,8 @@ mergeRecords(const std::vector<Source>& sources)
   return merged;
 }
 
-// Eq. (1) of the paper over all maps: adds the log-probabilities. They are stored
-// relative to the largest one and clamped at -log_ratio.
+// Eq. (1) of the paper over all maps: adds the log-probabilities. The sums are stored
+// relative to the largest sum and clamped at -log_ratio.
 void
 mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
               float* merged)

@@ -108,7 +108,7 @@ RayCaster::findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     const Eigen::Vector3f point = scan.points[i];
     const float reach = reachOf(point);
     ends_[i].x() = no_ray;
-    if (!(reach > 0.0f && reach < max_reach) || !hasDeviation(scan, i)) { // or NaN
+    if (!(reach > 0.0f && reach < max_reach) || !hasDeviation(scan, i)) { // NaN too
       ++part.invalid;
       continue;
     }

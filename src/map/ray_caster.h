@@ -31,8 +31,8 @@ struct RayHit {
 };
 
 /** \brief Casts the rays of a scan through a window. Collects the set of the voxels
- * that the rays cross and the set of the voxels that contain an end point. Sets depend
- * neither on the order of the points nor on the number of threads. */
+ * that the rays cross and the set of the voxels that contain an end point. Neither set
+ * depends on the order of the points or on the number of threads. */
 class RayCaster {
 public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
@@ -71,7 +71,8 @@ public:
 
   /** \brief Visits the rays in the order of the points.
    * \param[in] visit called with the start of the ray, the end of its part that clears
-   * space, and its SlotHit; null without an end point in the window */
+   * space, and its SlotHit. The SlotHit is null if the ray has no end point in the
+   * window */
   template <typename Visit>
   void
   forEachRay(Visit&& visit) const
@@ -131,9 +132,10 @@ private:
   SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
-  std::vector<RayDelta> ends_; // by point: findHits() sets its voxel or no_ray;
-                               // findRays() sets the end of its ray, from start_
-  std::vector<Part> parts_;    // reused, to avoid allocations
+  // By point. After findHits(): the voxel of the point, or no_ray. After findRays():
+  // the end of the cleared part of its ray, relative to start_.
+  std::vector<RayDelta> ends_;
+  std::vector<Part> parts_;                          // reused, to avoid allocations
   std::vector<const DirectedRay*> rays_;             // by tile
   std::vector<RayHit> hits_;                         // by slot
   std::vector<std::uint32_t> first_hit_, hit_count_; // by slot

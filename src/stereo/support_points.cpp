@@ -107,8 +107,8 @@ private:
     const int count = std::min(disparities_, reach);
     const int padded = (count + 7) / 8 * 8;
     std::fill(costs_.begin(), costs_.end(), std::uint16_t(0));
-    // Costs are in the order of the columns of the other image. In the left image,
-    // disparities then descend.
+    // Costs are in the order of the columns of the other image. For a pixel of the left
+    // image, this is the order of descending disparities.
     const int first = image == 0 ? u - padded + 1 : u;
     for (int row = 0; row < 2; ++row)
       for (const int side : {-corner, corner})
@@ -123,7 +123,8 @@ private:
     const int here = leastOf(costs, padded);
     const int index = int(std::find(costs, costs + padded, here) - costs);
     const int best = image == 0 ? padded - 1 - index : index;
-    int less = kernels::no_energy, more = kernels::no_energy; // at best - 1 and + 1
+    // Costs at the disparities best - 1 and best + 1.
+    int less = kernels::no_energy, more = kernels::no_energy;
     for (const int side : {-1, 1})
       if (index + side >= 0 && index + side < padded) {
         ((image == 0) == (side > 0) ? less : more) = costs[index + side];
@@ -169,7 +170,7 @@ bool
 isPlausible(const cv::Mat1i& grid, int row, int column)
 {
   constexpr int reach = neighbourhood / grid_step;
-  int count = -1; // excludes itself
+  int count = -1; // without the point itself
   for (int y = std::max(row - reach, 0); y <= std::min(row + reach, grid.rows - 1); ++y)
     for (int x = std::max(column - reach, 0);
          x <= std::min(column + reach, grid.cols - 1); ++x)

@@ -29,10 +29,11 @@ struct SupervoxelParameters {
  * suitable. Colours are optional.
  *
  * The clustering runs separately in each cube of a grid, and a supervoxel never extends
- * into another cube. Cubes are about eight seeds wide. The grid begins half a voxel
- * below the lowest coordinates of the cloud (see SupervoxelParameters::fixed_cubes), so
- * a cloud may lie anywhere. Points are sorted before clustering, so the result depends
- * neither on their order nor on the number of threads.
+ * into another cube. Cubes are about eight seeds wide. Unless
+ * SupervoxelParameters::fixed_cubes is set, the grid begins half a voxel below the
+ * lowest coordinates of the cloud. A cloud may therefore lie anywhere. Points are
+ * sorted before clustering, so the result depends neither on their order nor on the
+ * number of threads.
  *
  * Each finite point is in at most one clique. Points that the clustering omits join the
  * supervoxel of the nearest clustered point within seed_resolution in the same cube.

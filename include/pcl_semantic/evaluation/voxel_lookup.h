@@ -110,8 +110,8 @@ struct RenderedLabels {
  *
  * A cube covers [index, index + 1) times the voxel size in the world frame. Whole cubes
  * are thicker than the surfaces that they represent. A face without a neighbour is
- * therefore drawn inside its cube, 0.2 voxels from the point of the voxel. The cube has
- * the colour of the label of its point.
+ * therefore drawn inside its cube, 0.2 voxels from the point of the voxel. A cube gets
+ * the label of its point.
  *
  * The result depends neither on the number of threads nor on the order of the voxels,
  * with one exception: if two cubes touch exactly on a ray, the first in the cloud wins.

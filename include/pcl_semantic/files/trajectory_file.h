@@ -37,11 +37,10 @@ enum class TrajectoryFormat {
  * \throws BadInputException if the file has another format or contains no pose */
 TrajectoryFormat trajectoryFormatOf(const std::string& path);
 
-/** \brief Reads a KITTI trajectory. The output of ORB-SLAM's SaveTrajectoryKITTI is
- * one.
+/** \brief Reads a KITTI trajectory. ORB-SLAM's SaveTrajectoryKITTI writes such files.
  *
- * Rotations with rounding errors are orthonormalised. The error is the norm of R R^T -
- * I. Errors above 1e-2 are refused.
+ * Rotations with rounding errors are orthonormalised. The error is the Frobenius norm
+ * of R R^T - 1. Errors above 1e-2 are refused.
  * \param[out] doubts null = none; a line is appended if an error is above 1e-4
  * \throws BadInputException with the line, for a wrong count, a non-finite number or a
  * matrix that is no rotation */
@@ -53,8 +52,8 @@ Trajectory readKittiTrajectory(const std::string& path,
  * \throws OutputException if the file cannot be written */
 void writeKittiTrajectory(const std::string& path, const Trajectory& trajectory);
 
-/** \brief Reads a TUM trajectory. The output of ORB-SLAM's SaveTrajectoryTUM and
- * SaveKeyFrameTrajectoryTUM is one. Times from 1e17 on are nanoseconds.
+/** \brief Reads a TUM trajectory. ORB-SLAM's SaveTrajectoryTUM and
+ * SaveKeyFrameTrajectoryTUM write such files. Times from 1e17 on are nanoseconds.
  *
  * Quaternions are normalised. The error is the difference of their length from 1.
  * Errors above 1e-2 are refused.
@@ -76,8 +75,8 @@ void writeTumTrajectory(const std::string& path, const TimedTrajectory& trajecto
 const TimedPose* findPose(const TimedTrajectory& trajectory, double time,
                           double tolerance);
 
-/** \brief Reads the times of a file such as KITTI's times.txt [s]. Each row has the
- * time of the frame with that number, from 0. Times from 1e17 on are nanoseconds.
+/** \brief Reads the times of a file such as KITTI's times.txt [s]. Row n, from 0, is
+ * the time of frame n. Times from 1e17 on are nanoseconds.
  * \throws BadInputException with the line, if a row is not one number or the times do
  * not increase */
 std::vector<double> readTimes(const std::string& path);

@@ -68,7 +68,7 @@ public:
   void setOrigin(const Eigen::Vector3d& origin);
 
   /** \brief Sets whether kernels and clique generators use the colours of the points;
-   * true by default. Without colours in the point type it has no effect. */
+   * true by default. The setting has no effect if the point type has no colours. */
   void
   setUseColour(bool use)
   {
@@ -89,8 +89,8 @@ public:
   /** \brief Sets a generator that makes the cliques of each run from the whole input
    * cloud. Replaces setCliques().
    *
-   * The width and height of the cloud must be set. The generator gets points
-   * without a position as NaN.
+   * The width and height of the cloud must be set. The generator gets points without a
+   * position as NaN.
    * \param[in] generator null = no cliques */
   void
   setCliqueGenerator(const CliqueGenerator::Ptr& generator)
@@ -135,8 +135,8 @@ public:
            const LabelDistributions* measured = nullptr,
            const std::vector<pcl::PointIndices>* cliques = nullptr);
 
-  /** \brief run() for a cloud without points; ignores settings that depend on the
-   * size. */
+  /** \brief Does the work of run() for a cloud without points. Settings with one entry
+   * per point are ignored. */
   void runEmpty();
 
 protected:

@@ -33,15 +33,15 @@ struct ClassCurves {
  * features. A class without a fit keeps its probability. The fitted classes share the
  * remaining probability. fitCalibration() fits a calibration to ground truth. */
 struct LabelCalibration {
-  std::string of;                    ///< "pixels" or "cliques"; empty = either
-  std::vector<bool> fitted;          ///< per class
-  std::vector<Label> ground;         ///< classes of the ground
-  float sharpness = 1.0f;            ///< s
-  Eigen::VectorXf bias;              ///< b, L
-  std::vector<ClassCurves> curves;   ///< f, one or none per Feature, in its order
+  std::string of;                  ///< "pixels" or "cliques"; empty = either
+  std::vector<bool> fitted;        ///< per class
+  std::vector<Label> ground;       ///< classes of the ground
+  float sharpness = 1.0f;          ///< s
+  Eigen::VectorXf bias;            ///< b, L
+  std::vector<ClassCurves> curves; ///< f, in the order of Feature, which may have gaps
   std::vector<Eigen::MatrixXf> seen; ///< feature histograms of the training data,
                                      ///< one per curve; empty = unknown
-  float usual_distance = 0.0f;       ///< scale of domainShift(); 0 = unknown
+  float usual_distance = 0.0f;       ///< divisor of domainShift(); 0 = unknown
 
   int
   classes() const

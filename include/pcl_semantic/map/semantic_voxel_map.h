@@ -27,8 +27,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * again. World frame: x forward, y left, z up [m].
  *
  * One thread may write (non-const methods) while others read. A read waits while the
- * writer is inside a call. All methods pass on the exceptions of the store; the window
- * has then not moved. */
+ * writer is inside a call. All methods pass on the exceptions of the store. An
+ * exception of the store never moves the window. */
 class SemanticVoxelMap {
 public:
   using Ptr = std::shared_ptr<SemanticVoxelMap>;
@@ -50,7 +50,7 @@ public:
    *
    * The window moves to the sensor. A ray to every point updates the occupancy. The
    * voxels of the end points fuse the colours and labels of these points. Each scan
-   * updates a voxel once, and a hit takes precedence over a miss.
+   * updates a voxel once. A hit takes precedence over a miss.
    * FusionParameters::per_ray_counting counts every ray instead.
    * \param[in] cloud sensor frame [m]; any point type with xyz, organized or not. If
    * the type has rgb or rgba, the colours are fused
@@ -130,7 +130,7 @@ public:
 
   /** \brief The most probable labels (refined if available) of the voxels at points.
    * Points outside the window and points in voxels that are not occupied are
-   * kUnlabelled. No scan is added between the first point and the last.
+   * kUnlabelled. The writer does not change the map during the call.
    * \param[in] points world frame [m]
    * \return one label per point */
   std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
@@ -154,8 +154,8 @@ public:
    * \throws InvalidParameterException if the point is not finite or too far away */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
-  /** \brief Sets the number of threads of integrate() and of the queries; the values
-   * are those of CRFSettings::setNumberOfThreads(). */
+  /** \brief Sets the number of threads of integrate() and of the queries.
+   * \param[in] threads as CRFSettings::setNumberOfThreads() */
   void setNumberOfThreads(int threads);
 
   /** \brief Memory of the window and of the last scan, without the store [bytes]. */

@@ -66,7 +66,7 @@ public:
      * Rectification errors add this offset to all disparities. */
     double offset_drift = 0.03;
 
-    /** \throws InvalidParameterException */
+    /** \throws InvalidParameterException that names the parameter and its range */
     void validate() const;
   };
 

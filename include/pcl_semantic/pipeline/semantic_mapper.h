@@ -63,7 +63,7 @@ private:
         times.seconds_.emplace_back(
             name, std::chrono::duration<double>(Clock::now() - start).count());
       }
-      catch (const std::bad_alloc&) { // the stage's result matters more than its time
+      catch (const std::bad_alloc&) { // loses the time, keeps the stage's result
       }
     }
   };
@@ -115,7 +115,8 @@ public:
    * requires the camera; null = the frames are labelled clouds
    * \param[in] store for voxels that leave the window; null = memory
    * \throws InvalidParameterException if a parameter is out of range or does not apply
-   * to these frames, or an argument is missing */
+   * to these frames, if \a poses is null, or if there is a predictor without a camera
+   */
   SemanticMapper(const LabelSet& label_set, MapperConfig config,
                  std::unique_ptr<PoseSource> poses,
                  const std::optional<StereoCamera>& camera = std::nullopt,
@@ -157,8 +158,8 @@ public:
    * \throws BadInputException or BadModelException that names the frame, also if a
    * cloud does not match the camera's images
    * \throws InvalidParameterException if the frame is a pair or an image and there is
-   * no predictor, if the frame has no cloud, or if stereo parameters are set for
-   * another frame */
+   * no predictor, if the frame has no cloud, or if stereo parameters are set and
+   * the frame is no stereo pair */
   MappedFrame process(const SensorFrame& frame);
 
   /** \brief Fuses the labels of a frame that was processed without labels. The next run
@@ -226,7 +227,7 @@ private:
   std::unique_ptr<MapCliques> cliques_;
   Callback callback_;
   int frames_ = 0;
-  bool refined_ = true; // by the CRF, after the last frame
+  bool refined_ = true; // no measurement was added after the last run of the CRF
 };
 
 } // namespace pcl_semantic

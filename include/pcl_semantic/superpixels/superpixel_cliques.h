@@ -34,8 +34,8 @@ struct SuperpixelParameters {
  * voxel (as in SemanticVoxelMap::integrate()). A voxel joins the part with the most
  * pixels in it; in a tie, the part whose first pixel comes first in the image.
  *
- * Voxels without a pixel belong to no clique. With SuperpixelParameters::keep they keep
- * their previous group instead, as long as every cloud contains them. */
+ * Voxels without a pixel belong to no clique. With SuperpixelParameters::keep, such a
+ * voxel keeps its previous group. Only groups of voxels in the last cloud are kept. */
 class SuperpixelCliques : public CliqueGenerator {
 public:
   SuperpixelCliques() = default;
