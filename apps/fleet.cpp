@@ -49,11 +49,11 @@ EOF
 pcl_semantic_fleet /tmp/plan.yaml && \
   pcl_semantic_archive info /tmp/city/map.tiles)"};
 
-// A submap to map, and its corrected poses.
+// The task to map one submap.
 struct Task {
   MapOptions run;
   std::string corrected_poses;
-  std::uint64_t digest = 0; // of its archive
+  std::uint64_t digest = 0; // of the archive, after mapping
 
   const std::string&
   archive() const
@@ -100,7 +100,8 @@ ofDrive(const FleetDrive& drive, Body&& body)
   }
 }
 
-// Opens every drive of a plan and returns the frames of all submaps, "drive A:B".
+// Opens every drive of a plan and cuts it into submaps.
+// Returns "D A:B" for each submap: drive D of the plan, frames A to B - 1.
 std::vector<std::string>
 cut(const FleetPlan& plan)
 {
@@ -192,7 +193,7 @@ private:
   std::vector<std::string> lines_;
 };
 
-// Tiles touched by the submaps; each rank reads its part of them.
+// Returns the submaps of each tile. Each rank reads a part of the archives.
 SubmapTiles
 tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
 {
@@ -202,7 +203,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
     for (const MapTile& tile : tilesOf(tasks[i].submap()))
       own.push_back(std::to_string(i) + " " + std::to_string(tile.y) + " " +
                     std::to_string(tile.x));
-  std::map<MapTile, std::set<std::size_t>> reached; // by task
+  std::map<MapTile, std::set<std::size_t>> reached; // tasks by tile
   for (const std::string& text : ranks.gather(own)) {
     std::size_t task = 0;
     MapTile tile;
@@ -216,7 +217,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
   return tiles;
 }
 
-// Removes tiles of an earlier plan, or with other submaps.
+// Removes the tiles that are not in the map, for example those of an earlier plan.
 void
 removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
 {
@@ -232,7 +233,8 @@ removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
   }
 }
 
-// Removes submaps of an earlier plan: archives named by their first frame.
+// Removes the submaps that are not in the plan. The first frame names the archive of a
+// submap.
 void
 removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
 {
@@ -252,7 +254,8 @@ removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
   }
 }
 
-// Writes durations of this run, and those of an earlier run for the same tasks.
+// Writes the durations of all tasks. Tasks that this run has not repeated keep their
+// durations from the old log.
 void
 writeLog(const std::string& path, const std::set<std::string>& tasks,
          const std::vector<std::string>& lines)
@@ -342,7 +345,7 @@ mapFleet(const std::string& path, const Ranks& ranks)
                             ": nothing was mapped: no frame of a drive has a depth");
   stopIfInterrupted();
   if (is_first)
-    fs::remove(index); // missing while tiles of two maps are mixed
+    fs::remove(index); // no index while the tiles belong to two maps
   ranks.wait();
   ranks.share(order.size(), [&](std::size_t i) {
     const std::string output = tilePath(index, order[i]);

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/** \brief Options and exit codes of all pcl_semantic_* programs. */
+/** \brief Functions shared by the pcl_semantic_* programs. */
 namespace pcl_semantic::tool {
 
 /** \brief Exit codes of every tool. */
@@ -30,35 +30,37 @@ struct Exit {
   ExitCode code;
 };
 
-/** \brief Runs the body of a tool. Converts an exception to one line on standard error
- * and its exit code. */
+/** \brief Runs the body of a tool. If it throws, prints the exception as one line on
+ * standard error.
+ * \return exit code of the body or of the exception */
 int run(const std::string& name, const std::function<int()>& body);
 
-/** \brief Runs the steps of a tool, with a progress bar, until an interrupt.
+/** \brief Runs steps 0, 1, ... of a tool with a progress bar.
  * \param[in] what, unit as for ProgressBar
- * \throws Exit after the interrupted step */
+ * \throws Exit after a step during which an interrupt arrived */
 void forEachStep(const std::string& what, std::size_t steps,
                  const std::function<void(std::size_t)>& step,
                  const std::string& unit = "frames");
 
-/** \brief Refuses an output file before the work starts: if its extension is of another
- * format, or its folder does not exist. An empty path is ignored.
+/** \brief Checks the path of an output file, before the work starts. An empty path is
+ * ignored.
  * \param[in] extension ".png"
- * \throws InvalidParameterException, OutputException */
+ * \throws InvalidParameterException if the path has another extension
+ * \throws OutputException if its folder does not exist */
 void requireOutput(const std::string& path, const std::string& extension);
 
-/** \brief Warns if a folder contains other files of the output's kind: readers would
- * take all of them for one sequence.
- * \param[in] written paths in that folder */
+/** \brief Warns if a folder contains other files with the extensions of the output.
+ * Programs that read the folder would take all these files as one sequence.
+ * \param[in] written paths of the output in that folder */
 void warnOfOtherFiles(const std::string& folder,
                       const std::vector<std::string>& written);
 
 /** \brief Whether two paths refer to one file; false for empty paths. */
 bool areSameFile(const std::string& a, const std::string& b);
 
-/** \brief Refuses an output that is also an input or another output; empty paths are
- * ignored.
- * \throws InvalidParameterException */
+/** \brief Checks that no output is the same file as an input or another output. Empty
+ * paths are ignored.
+ * \throws InvalidParameterException that names the file */
 void refuseSameFiles(const std::vector<std::string>& inputs,
                      const std::vector<std::string>& outputs);
 
@@ -69,25 +71,27 @@ void refuseSameFiles(const std::vector<std::string>& inputs,
 std::vector<Label> evaluatedClasses(const std::optional<std::string>& ignored,
                                     const LabelSet& label_set);
 
-/** \brief Makes SIGINT, SIGTERM and SIGHUP (a closed terminal) set a flag. A second
- * signal ends the program at once. */
+/** \brief Catches SIGINT, SIGTERM and SIGHUP (a closed terminal), see interrupted(). A
+ * second signal ends the program at once. */
 void catchInterrupts();
 
-/** \brief catchInterrupts() for a program with an unsaved map. The first signal prints
- * that the map is being finished, the second is ignored (keys may repeat), and the
- * third ends the program at once. */
+/** \brief Does the same as catchInterrupts() for a program with an unsaved map. The
+ * first signal prints that the map is being finished. The second is ignored, because a
+ * key may repeat. The third ends the program at once. */
 void catchInterruptsOfMap();
 
 /** \brief Whether an interrupt arrived since catchInterrupts(). */
 bool interrupted();
 
 /** \brief Keeps freed memory in the program, in huge pages if available. Every frame
- * needs the same amount again, and new pages would cost a third of its time. */
+ * needs the same amount of memory again. Returning it to the system would cost a third
+ * of the time per frame. */
 void keepFreedMemory();
 
-/** \brief Restarts the program with a short spinning time of OpenMP's threads, unless
- * its environment sets one: spinning threads would block the threads of a network.
- * libgomp reads the setting before main().
+/** \brief Restarts the program with a short spin time for OpenMP's threads, because
+ * long spinning blocks the threads of a network. The restart is necessary because
+ * libgomp reads the setting before main(). Does nothing if the environment sets a spin
+ * time.
  * \param[in] argv of main() */
 void restartWithShortSpins(char** argv);
 

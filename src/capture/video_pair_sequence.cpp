@@ -73,7 +73,7 @@ struct Video {
 struct VideoPairSequence::Videos {
   Video left, right;
   RectifiedPair pair;
-  std::vector<double> times; // empty: from the rate
+  std::vector<double> times; // [s]; empty: computed from the rate
 };
 
 VideoPairSequence::VideoPairSequence(const ImagePairFiles& files)

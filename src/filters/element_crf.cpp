@@ -30,7 +30,7 @@ isDistribution(const Eigen::Ref<const Eigen::VectorXf>& column)
          (std::isfinite(column.sum()) || column.allFinite());
 }
 
-// Refuses invalid distributions; counts the unlabelled ones.
+// Returns the number of unlabelled elements.
 std::size_t
 checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
 {
@@ -64,16 +64,19 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
 
 struct ResultOptions {
   double temperature;
-  std::vector<Label> kept; // classes kept by measured elements unless outvoted
+  std::vector<Label> kept; // SemanticCRFParameters::keep_thin applies to these classes
 };
 
-// Replaces measurements by tempered marginals. An unlabelled element without messages
-// has a uniform marginal, so it stays unlabelled instead of getting the first class.
+// Replaces measurements by tempered marginals.
+// An unlabelled element without messages has a uniform marginal. Such an element stays
+// unlabelled, because its most probable class would be the first one.
 void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
             const ResultOptions& options, LabelDistributions& distributions)
 {
-  // A kept class loses only if messages outvote it by more than e^6; doc/crf.md.
+  // A kept class loses only if the messages favour another class by more than a factor
+  // of e^6, see doc/crf.md#thin-things. The marginals contain the unary odds, which
+  // unary_odds removes.
   const auto isKept = [&](const auto& measured, const auto& marginal) {
     constexpr float e6 = 403.4288f;
     Eigen::Index before = 0, after = 0;
@@ -103,7 +106,7 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
     negateLogs(column.data(), std::size_t(classes), 1e-30f);
     column *= float(-1.0 / options.temperature);
     distributionFromLog(column.data(), classes, column.data());
-    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // after rounding
+    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // by rounding
       column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
   }
 }

@@ -17,8 +17,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * image. */
 struct CRFElements {
   std::size_t total = 0;     ///< elements of the whole cloud or image
-  pcl::Indices indices;      ///< the n that take part, without duplicates
-  Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
+  pcl::Indices indices;      ///< of the n elements that take part; no duplicates
+  Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite [m] or [px]
   Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   double spacing = 0.0;      ///< CRFReport::spacing
 };
@@ -29,14 +29,15 @@ using Cliques = std::vector<pcl::PointIndices>;
 /** \throws InvalidParameterException that names the first clique without members */
 void requireMembers(const Cliques& cliques);
 
-/** \brief Runs mean field over elements.
- * \param[in] cliques null = none. Members that take no part are removed, and cliques
+/** \brief Runs mean-field inference over elements.
+ * \param[in] cliques null = none. Members that do not take part are removed. Cliques
  * without remaining members are skipped
  * \param[in,out] elements are sorted into an order that suits the kernels
- * \param[in,out] distributions of the whole cloud or image: measurements of the
- * elements on input, refined distributions on output. An element without measurement
- * and messages stays unlabelled
- * \throws InvalidParameterException if terms or cliques do not fit
+ * \param[in,out] distributions L x total. Input: the measurements. Output: the refined
+ * distributions of the elements that take part. An element without a measurement and
+ * without messages stays unlabelled
+ * \throws InvalidParameterException if the terms or cliques refer to other classes or
+ * elements, or a model with cliques gets none
  * \throws BadInputException if a measurement is negative or not finite */
 CRFReport refineElements(const CRFTerms& terms, const Cliques* cliques,
                          CRFElements& elements, LabelDistributions& distributions);

@@ -13,12 +13,13 @@ namespace pcl_semantic {
 
 namespace {
 
-// Fixed point of log-probabilities, so that sums do not depend on the order.
+// Scale of log-probabilities as integers. Sums of integers do not depend on the order
+// of the maps.
 constexpr double kLogScale = double(std::int64_t(1) << 40);
 
-constexpr std::uint32_t kMaxColourCount = 1u << 22; // as for pixels
+constexpr std::uint32_t kMaxColourCount = 1u << 22; // as in VoxelMeasurement
 
-// A voxel that one map has hit.
+// A voxel that was hit, in one of the maps.
 struct Source {
   const VoxelRecord* record;
   const float *measured, *refined; // L values
@@ -78,8 +79,8 @@ mergeRecords(const std::vector<Source>& sources)
   return merged;
 }
 
-// Eq. (1) of the paper over all maps: the sum of the logs, shifted so that the largest
-// is 0, and clamped.
+// Eq. (1) of the paper over all maps: adds the log-probabilities. The sums are stored
+// relative to the largest sum and clamped at -log_ratio.
 void
 mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
               float* merged)
@@ -108,7 +109,7 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
   for (const Source& source : sources)
     if (source.record->label_observations > 0)
       labelled.push_back(source);
-  if (labelled.size() == 1) // avoids rounding
+  if (labelled.size() == 1) // an exact copy: the sum would be rounded
     std::copy_n(labelled[0].measured, count, measured);
   else if (labelled.size() > 1)
     mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
@@ -126,8 +127,8 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
   const auto have_hits =
       std::count_if(blocks.begin(), blocks.end(),
                     [](const auto* block) { return !block->records.empty(); });
-  const bool keeps_refined = have_hits == 1; // otherwise the voxels have other
-                                             // neighbours now
+  // A CRF over the merged map would give other results where maps overlap.
+  const bool keeps_refined = have_hits == 1;
   std::vector<Source> sources;
   for (int offset = 0; offset < kBlockVoxels; ++offset) {
     merged.log_odds[std::size_t(offset)] =

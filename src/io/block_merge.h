@@ -8,11 +8,13 @@
 
 namespace pcl_semantic {
 
-/** \brief Merges the same block of several maps, independent of their order; see
- * mergeArchives(). Refined distributions are dropped if several maps have hits, because
- * a CRF would give other results.
+/** \brief Merges the blocks that several maps have at one index, see mergeArchives().
+ * The result does not depend on the order of the maps.
  *
- * \param[in] classes L */
+ * Refined distributions are kept only if a single map has hits in the block.
+ * \param[in] blocks one per map
+ * \param[in] classes number of classes L
+ * \param[in] fusion parameters of all maps */
 VoxelBlock mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
                        const FusionParameters& fusion);
 

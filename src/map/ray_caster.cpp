@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Limit of plausible distances; it also keeps the arithmetic exact [m].
+// Largest plausible distance [m]. Within this limit the arithmetic is exact.
 constexpr float max_reach = 1e6f;
 
 float
@@ -39,7 +39,7 @@ hasDeviation(const Scan& scan, std::size_t i)
          ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < max_reach);
 }
 
-// The fraction of a ray that ends two deviations before its end point.
+// The fraction of a ray up to two deviations before its end point.
 double
 sureFraction(const Scan& scan, std::size_t i)
 {
@@ -108,7 +108,7 @@ RayCaster::findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     const Eigen::Vector3f point = scan.points[i];
     const float reach = reachOf(point);
     ends_[i].x() = no_ray;
-    if (!(reach > 0.0f && reach < max_reach) || !hasDeviation(scan, i)) { // or NaN
+    if (!(reach > 0.0f && reach < max_reach) || !hasDeviation(scan, i)) { // NaN too
       ++part.invalid;
       continue;
     }
@@ -165,7 +165,7 @@ RayCaster::addRays(const kernels::RayStart& start, kernels::RayBatch& batch, Par
   kernels::findDirections(tier_)(start, batch);
   for (std::size_t k = 0; k < batch.count; ++k) {
     ends_[batch.point[k]] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
-    setRay(batch, k, part.rays.emplace_back()); // in place, without a copy
+    setRay(batch, k, part.rays.emplace_back());
     ++part.next[part.rays.back().tile];
   }
   batch.count = 0;
@@ -197,7 +197,8 @@ RayCaster::sortHits()
       hits_[first_hit_[hit.slot] + hit_count_[hit.slot]++] = hit.hit;
 }
 
-// Sorts the rays by tile; returns the begin of each tile.
+// Sorts the rays by tile. Returns the index of the first ray of each tile and, as the
+// last element, the number of rays.
 std::vector<std::uint32_t>
 RayCaster::sortRays()
 {
@@ -224,7 +225,7 @@ RayCaster::crossVoxels()
   ParallelGuard guard;
 #pragma omp parallel
   {
-#pragma omp single nowait // the other threads start meanwhile
+#pragma omp single nowait // other threads sweep tiles during the sort
     guard.run([&] { sortHits(); });
     std::optional<TileSweep> sweep;
     guard.run([&] { sweep.emplace(tier_, start_, ends_, crossed_); });

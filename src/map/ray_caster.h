@@ -26,18 +26,18 @@ struct RayStart;
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
   std::uint32_t point;                   ///< its index in the scan
-  std::uint16_t offset;                  ///< of its voxel in the block
+  std::uint16_t offset;                  ///< offset of the voxel, see voxelInBlock()
   std::array<std::uint16_t, 3> position; ///< in the voxel [2^-10 voxel]
 };
 
-/** \brief Casts the rays of a scan through a window and collects the hit and the
- * crossed voxels. These are sets, so they depend neither on the order of the points nor
- * on the number of threads. */
+/** \brief Casts the rays of a scan through a window. Collects the set of the voxels
+ * that the rays cross and the set of the voxels that contain an end point. Neither set
+ * depends on the order of the points or on the number of threads. */
 class RayCaster {
 public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
-  /** \param[in] slots of the grid */
+  /** \param[in] slots number of slots of the grid, see ScrollingVoxelGrid::slots() */
   explicit RayCaster(std::size_t slots, SimdTier tier = simdTier())
       : tier_(tier), crossed_(slots), first_hit_(slots), hit_count_(slots)
   {}
@@ -45,15 +45,17 @@ public:
   struct Settings {
     double voxel_size = 0.0;  ///< [m]
     double max_range = 0.0;   ///< SemanticVoxelMap::Parameters::max_range [m]
-    std::vector<bool> is_sky; ///< by label; these points cast no ray
+    std::vector<bool> is_sky; ///< by label; points with these labels cast no ray
     Clearing clearing = Clearing::full;
   };
 
-  /** \brief Clears the previous scan and casts the rays of this one. */
+  /** \brief Discards the results of the previous scan and casts the rays of a new one.
+   */
   ScanCounts cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                   const Grid& grid, const Settings& settings);
 
-  /** \brief End points inside a block, as [first, last), unordered. */
+  /** \brief The end points in the block of a slot, in any order.
+   * \return first end point, and one past the last */
   std::pair<const RayHit*, const RayHit*>
   hitsIn(std::size_t slot) const
   {
@@ -67,8 +69,10 @@ public:
     RayHit hit;
   };
 
-  /** \brief Visits the rays in the order of the points, as (start, end of its cleared
-   * part, its SlotHit or null). */
+  /** \brief Visits the rays in the order of the points.
+   * \param[in] visit called with the start of the ray, the end of its part that clears
+   * space, and its SlotHit. The SlotHit is null if the ray has no end point in the
+   * window */
   template <typename Visit>
   void
   forEachRay(Visit&& visit) const
@@ -84,7 +88,7 @@ public:
     }
   }
 
-  /** \brief The voxels that a ray crossed, and those that were hit. */
+  /** \brief The voxels that the scan has crossed or hit. */
   const CrossedVoxels&
   crossed() const
   {
@@ -98,17 +102,20 @@ private:
   // Results of one thread.
   struct Part {
     std::vector<DirectedRay> rays;
-    std::vector<std::uint32_t> next; // number of rays by tile, then their target index
+    std::vector<std::uint32_t> next; // by tile: number of rays; sortRays() replaces it
+                                     // by the index of the next ray in rays_
     std::vector<SlotHit> hits;
     std::size_t invalid = 0, sky = 0;
   };
 
-  // Finds the voxels of the ends within range, and the points that cast a ray.
+  // Finds the voxels that contain an end point within range, and the points that cast a
+  // ray.
   void findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
 
-  // Requires all hits.
+  // Finds the directions of the rays and the ends of their parts that clear space. All
+  // hits must be found before.
   void findRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
@@ -125,10 +132,12 @@ private:
   SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
-  std::vector<RayDelta> ends_;           // by point: its voxel, then the end of its ray
-  std::vector<Part> parts_;              // reused, to avoid allocations
-  std::vector<const DirectedRay*> rays_; // by tile
-  std::vector<RayHit> hits_;             // by slot
+  // By point. After findHits(): the voxel of the point, or no_ray. After findRays():
+  // the end of the cleared part of its ray, relative to start_.
+  std::vector<RayDelta> ends_;
+  std::vector<Part> parts_;                          // reused, to avoid allocations
+  std::vector<const DirectedRay*> rays_;             // by tile
+  std::vector<RayHit> hits_;                         // by slot
   std::vector<std::uint32_t> first_hit_, hit_count_; // by slot
   std::vector<std::uint32_t> hit_slots_;             // slots with a hit
 };

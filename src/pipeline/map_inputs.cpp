@@ -35,7 +35,7 @@ requireLabels(const MapInputs& inputs)
            "--label-set is for --labels; the description of a network names its own");
 }
 
-// Only stereo sequences have other sources of poses.
+// Refuses the values of --poses that only a stereo sequence supports.
 void
 requireTrajectory(const MapInputs& inputs, const std::string& option)
 {
@@ -76,7 +76,7 @@ requireRgbd(const MapInputs& inputs)
   requireLabels(inputs);
 }
 
-// Options without effect for this kind of frames, or without another option.
+// Rules for options that have no effect with these inputs.
 std::vector<UnreadOptions>
 unreadOptions(const MapInputs& inputs, const MapperConfig& config)
 {

@@ -10,6 +10,8 @@ namespace pcl_semantic {
 
 namespace {
 
+// Byte of a descriptor: the vertical or horizontal gradient at an offset from the
+// pixel.
 struct Element {
   bool vertical;
   int u, v;
@@ -22,19 +24,22 @@ constexpr Element elements[kernels::descriptor_bytes] = {
     {false, 2, 2},   {false, -1, 0}, {false, 1, 0},  {true, 0, 0},
 };
 
-constexpr int corner = 2;    // a 9 x 9 pixel descriptor consists of four at this offset
-                             // [px]
-constexpr int grid_step = 5; // distance of matched pixels [px]
-constexpr int min_texture = 1;    // mean gradient [0-127]
-constexpr double max_ratio = 0.9; // best distance / second-best distance, tau
+// Offset in u and v [px] of the four descriptors by which a pixel is matched. Together
+// they cover 9 x 9 pixels.
+constexpr int corner = 2;
+constexpr int grid_step = 5;      // between matched pixels [px]
+constexpr int min_texture = 1;    // mean absolute gradient [0-127]
+constexpr double max_ratio = 0.9; // tau: a match is distinctive if its cost is below
+                                  // this fraction of the second-best cost
 constexpr int tolerance = kernels::disparity_steps; // left-right check: 1 px
-constexpr int neighbourhood = 25;                   // window for similar points [px]
-constexpr int min_neighbours = 2; // similar points required in the window
-constexpr int alike = 5 * kernels::disparity_steps;
+// Largest offset of a similar point in u and v [px].
+constexpr int neighbourhood = 25;
+constexpr int min_neighbours = 2; // similar points required for a plausible point
+constexpr int alike = 5 * kernels::disparity_steps; // similar points: within 5 px
 constexpr int none = kernels::no_disparity;
 
-// Costs have 15 bits, so signed minimum instructions, which every processor has,
-// suffice.
+// Costs have 15 bits, so a signed minimum gives the same result as an unsigned one.
+// Every processor has an instruction for the signed minimum.
 int
 leastOf(const std::uint16_t* costs, int count)
 {
@@ -44,7 +49,7 @@ leastOf(const std::uint16_t* costs, int count)
   return least;
 }
 
-/** \brief Searches the support points of one row of the grid. */
+/** \brief Matches the pixels of one row of the grid. */
 class RowMatcher {
 public:
   RowMatcher(const GradientImage& left, const GradientImage& right, int disparities)
@@ -92,8 +97,9 @@ private:
     return sum >= min_texture * 4 * kernels::descriptor_bytes;
   }
 
-  /** \brief Best disparity of a pixel of an image (0 left, 1 right) if it is
-   * distinctive. */
+  /** \brief Best disparity of a pixel; none if its cost is not distinctive.
+   * \param[in] image image of the pixel: 0 = left, 1 = right
+   * \param[in] u column of the pixel [px] */
   int
   search(int image, int u)
   {
@@ -101,13 +107,14 @@ private:
     const int count = std::min(disparities_, reach);
     const int padded = (count + 7) / 8 * 8;
     std::fill(costs_.begin(), costs_.end(), std::uint16_t(0));
-    // In the order of the pixels of the other image.
+    // Costs are in the order of the columns of the other image. For a pixel of the left
+    // image, this is the order of descending disparities.
     const int first = image == 0 ? u - padded + 1 : u;
     for (int row = 0; row < 2; ++row)
       for (const int side : {-corner, corner})
         loops_.addDistances(at(image, row, u + side), at(1 - image, row, first + side),
                             padded, costs_.data());
-    // Pixels outside the image are no candidates.
+    // Columns outside the image are no candidates.
     std::uint16_t* const costs = costs_.data();
     if (image == 0)
       std::fill(costs, costs + (padded - count), kernels::no_energy);
@@ -116,7 +123,8 @@ private:
     const int here = leastOf(costs, padded);
     const int index = int(std::find(costs, costs + padded, here) - costs);
     const int best = image == 0 ? padded - 1 - index : index;
-    int less = kernels::no_energy, more = kernels::no_energy; // at best - 1 and + 1
+    // Costs at the disparities best - 1 and best + 1.
+    int less = kernels::no_energy, more = kernels::no_energy;
     for (const int side : {-1, 1})
       if (index + side >= 0 && index + side < padded) {
         ((image == 0) == (side > 0) ? less : more) = costs[index + side];
@@ -135,7 +143,7 @@ private:
   const GradientImage* images_[2];
   int disparities_;
   const kernels::ElasLoops& loops_ = kernels::elasLoops(simdTier());
-  std::vector<std::uint8_t> rows_[2][2]; // by image, above and below
+  std::vector<std::uint8_t> rows_[2][2]; // by image: the row above and the row below
   std::vector<std::uint16_t> costs_;
 };
 
@@ -162,7 +170,7 @@ bool
 isPlausible(const cv::Mat1i& grid, int row, int column)
 {
   constexpr int reach = neighbourhood / grid_step;
-  int count = -1; // excludes itself
+  int count = -1; // without the point itself
   for (int y = std::max(row - reach, 0); y <= std::min(row + reach, grid.rows - 1); ++y)
     for (int x = std::max(column - reach, 0);
          x <= std::min(column + reach, grid.cols - 1); ++x)

@@ -9,7 +9,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Gradients of a grey image, from which descriptors are made. */
+/** \brief The gradients of a grey image. A descriptor of a pixel consists of gradients
+ * near the pixel. */
 class GradientImage {
 public:
   /** \param[in] grey CV_8UC1 */
@@ -27,12 +28,14 @@ public:
     return height_;
   }
 
-  /** \brief Descriptors of the pixels of a row, with a margin of
-   * kernels::descriptor_margin on both sides; rows outside the image repeat the border.
-   */
+  /** \brief Computes the descriptors of the pixels of a row. Rows outside the image
+   * repeat the border.
+   * \param[in] v row [px], may be outside the image
+   * \param[out] row kernels::descriptor_bytes per pixel. kernels::descriptor_margin
+   * pixels precede the first pixel, and at least as many follow the last */
   void describeRow(int v, std::vector<std::uint8_t>& row) const;
 
-  /** \brief First pixel of a row of describeRow(). */
+  /** \brief Descriptor of pixel 0 in a row of describeRow(). */
   static const std::uint8_t*
   firstPixel(const std::vector<std::uint8_t>& row)
   {
@@ -46,17 +49,22 @@ private:
 
 /** \brief A pixel of the left image with a reliable match in the right one. */
 struct SupportPoint {
-  int u, v;
-  int disparity; ///< [1 / disparity_steps px]
+  int u, v;      ///< column and row [px]
+  int disparity; ///< in units of 1 / kernels::disparity_steps px
 };
 
-/** \brief Matches the pixels of a grid over the whole range of disparities and keeps
- * reliable matches (section 3.1 of the paper), in order of rows. */
+/** \brief Finds the reliable matches on a grid of pixels (section 3.1 of the paper by
+ * Geiger et al., see Elas). Each pixel is compared over the whole range of disparities.
+ * \param[in] disparities largest disparity + 1 [px]
+ * \return points in the order of rows */
 std::vector<SupportPoint> findSupportPoints(const GradientImage& left,
                                             const GradientImage& right,
                                             int disparities);
 
-/** \brief Adds the image's corners with the disparity of the nearest support point. */
+/** \brief Adds the corners of the image as support points. Each takes the disparity of
+ * the nearest support point.
+ * \param[in] width, height size of the image [px]
+ * \param[in,out] points at least one */
 void addCorners(int width, int height, std::vector<SupportPoint>& points);
 
 } // namespace pcl_semantic

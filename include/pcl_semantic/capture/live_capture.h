@@ -10,16 +10,17 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Whether a name is a camera or a stream, not a file: a number (`0`), a device
- * (`/dev/video0`) or an address (`rtsp://...`). */
+/** \brief Whether a name denotes a camera or a stream: a number (`0`), a device
+ * (`/dev/video0`) or an address (`rtsp://...`). Other names are files. */
 bool isCapture(const std::string& name);
 
-/** \brief Opens two cameras or streams, two videos, which are played at their frame
- * rate, or, if left and right are equal, one source whose images contain both sides
- * next to each other.
+/** \brief Opens two cameras, streams or videos as a stereo camera. Videos are played at
+ * the left one's frame rate. If left and right are equal, the images of one source
+ * contain both sides next to each other.
  * \param[in] files names `left` and `right`, and the calibration; `times` is ignored
- * \throws BadInputException if a source cannot be opened or gives no image, the sizes
- * of left and right differ, or the calibration does not fit */
+ * \throws BadInputException if a source cannot be opened or gives no image
+ * \throws BadInputException if a video states no frame rate, the sizes of left and
+ * right differ, or the calibration does not fit */
 std::unique_ptr<LiveCamera> openCaptures(const ImagePairFiles& files);
 
 } // namespace pcl_semantic

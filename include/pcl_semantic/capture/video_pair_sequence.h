@@ -9,15 +9,18 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Stereo pairs of two synchronous videos, rectified when read. Frame n is the
- * n-th image of both. Its time is n divided by the left video's frame rate, or row n of
- * `times`. Frames are read in order; going back restarts the videos. One instance must
- * not be used by several threads at once. */
+/** \brief Stereo pairs of two synchronous videos. Frame n, from 0, consists of the n-th
+ * image of both, rectified. Its time is row n of `times` [s]. Without `times` it is n
+ * divided by the left video's frame rate.
+ *
+ * Frames are read fastest in ascending order: an earlier frame is decoded from the
+ * start of the videos. Several threads must not use one instance at once. */
 class VideoPairSequence : public FrameSequence {
 public:
   /** \param[in] files `left` and `right` are videos
-   * \throws BadInputException if one cannot be read, they differ in size, rate or
-   * length, or the calibration does not fit */
+   * \throws BadInputException if a video cannot be read, or the videos differ in size,
+   * length or rate (by more than 0.01 per second)
+   * \throws BadInputException if the calibration or the times do not fit */
   explicit VideoPairSequence(const ImagePairFiles& files);
 
   ~VideoPairSequence() override;
@@ -26,6 +29,9 @@ public:
 
   double timestamp(std::size_t i) const override;
 
+  /** \brief Reads a frame.
+   * \throws BadInputException that names the video and the frame, if it cannot be
+   * decoded */
   StereoFrame frame(std::size_t i) const override;
 
   const StereoCamera& camera() const override;

@@ -11,31 +11,36 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Parameters of pcl::SupervoxelClustering; its weights keep their defaults. */
+/** \brief Parameters of pcl::SupervoxelClustering. Its weights of colour, position and
+ * normal keep their defaults. */
 struct SupervoxelParameters {
   double seed_resolution = 0.8;  ///< distance between supervoxel seeds [m]
   double voxel_resolution = 0.1; ///< points in a cube of this edge are one voxel [m]
-  bool fixed_cubes = false; ///< cubes of the clustering begin at the origin instead of
-                            ///< at the cloud: for clouds that grow or scroll
+  /// The grid of cubes begins at the origin instead of at the lowest coordinates of the
+  /// cloud. Use it for clouds that grow or scroll.
+  bool fixed_cubes = false;
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
 /** \brief Supervoxels as cliques: groups of adjacent points with similar colour and
- * normal (Papon et al. 2013, pcl::SupervoxelClustering). They need only a cloud, of any
- * sensor; points without colour are grouped without it.
+ * normal (Papon et al. 2013, pcl::SupervoxelClustering). Clouds of any sensor are
+ * suitable. Colours are optional.
  *
- * Each finite point is in at most one clique. The clustering runs separately in each
- * cube of a grid whose cubes are about eight seeds wide; no supervoxel leaves its cube.
- * The lowest coordinates lie in the middle of the grid's first voxel, so a cloud may
- * lie anywhere. The points of a cube are sorted before clustering, so neither their
- * order nor the number of threads matters. Points that the clustering omits join the
+ * The clustering runs separately in each cube of a grid, and a supervoxel never extends
+ * into another cube. Cubes are about eight seeds wide. Unless
+ * SupervoxelParameters::fixed_cubes is set, the grid begins half a voxel below the
+ * lowest coordinates of the cloud. A cloud may therefore lie anywhere. Points are
+ * sorted before clustering, so the result depends neither on their order nor on the
+ * number of threads.
+ *
+ * Each finite point is in at most one clique. Points that the clustering omits join the
  * supervoxel of the nearest clustered point within seed_resolution in the same cube.
  *
- * A call reuses the cubes that have not changed since the previous call, bit by bit:
- * the result is that of a new object, and the cost depends on the changes. If the
- * lowest coordinates change, this needs SupervoxelParameters::fixed_cubes. */
+ * generate() clusters only the cubes that have changed since its previous call. The
+ * result is the same as without a previous call. If the lowest coordinates change, all
+ * cubes change, unless SupervoxelParameters::fixed_cubes is set. */
 class SupervoxelCliques : public CliqueGenerator {
 public:
   SupervoxelCliques() = default;
@@ -49,18 +54,20 @@ public:
     return parameters_;
   }
 
-  /** \brief Groups the points; cliques are in the order of their first points.
-   * \throws BadInputException that names the point, if one is more than kMaxVoxelIndex
-   * cubes from the grid's origin */
+  /** \brief Groups the points.
+   * \return cliques in the order of their first points
+   * \throws BadInputException that names the point, if a point is too far from the
+   * origin of the grid (more than kMaxVoxelIndex cubes) */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
-  /** \brief Number of cubes of the last generate(), and of the changed ones. */
+  /** \brief Number of cubes of the last generate(). */
   std::size_t
   cubes() const
   {
     return cubes_.size();
   }
 
+  /** \brief Number of cubes that the last generate() had to cluster. */
   std::size_t
   changedCubes() const
   {

@@ -17,10 +17,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The sensor of a source. */
+/** \brief The sensor of a source: a camera or a scanner. */
 struct FrameSensor {
-  std::optional<StereoCamera> camera; ///< none: a scanner
-  /// Pose in camera 0, the reference of trajectory files [m].
+  std::optional<StereoCamera> camera; ///< none for a scanner
+  /// Pose of the sensor in the frame of camera 0 [m]. Trajectory files contain the
+  /// poses of camera 0.
   Eigen::Isometry3d T_camera0_sensor = Eigen::Isometry3d::Identity();
 };
 
@@ -42,11 +43,13 @@ public:
     return frames_;
   }
 
-  /** \brief Reads the next frame; none at the end.
+  /** \brief Reads the next frame.
+   * \return nothing after the last frame
    * \throws BadInputException that names the file */
   virtual std::optional<SensorFrame> next() = 0;
 
-  /** \brief Continues with the i-th of frames(); no effect on live frames. */
+  /** \brief Sets the frame that next() reads: the i-th of frames(). A live source
+   * ignores it. */
   virtual void
   seek(std::size_t /*i*/)
   {}
@@ -56,12 +59,13 @@ protected:
   std::vector<FrameTime> frames_;
 };
 
-/** \brief Recorded frames, read by a function. */
+/** \brief A source of recorded frames. */
 class RecordedFrames : public FrameSource {
 public:
   using Reader = std::function<SensorFrame(std::size_t)>;
 
-  /** \param[in] read reads the i-th of \a frames */
+  /** \param[in] frames numbers and times of all frames
+   * \param[in] read reads the i-th of \a frames */
   RecordedFrames(FrameSensor sensor, std::vector<FrameTime> frames, Reader read)
       : read_(std::move(read))
   {
@@ -69,7 +73,7 @@ public:
     frames_ = std::move(frames);
   }
 
-  /** \brief The frames of a stereo sequence in a range. */
+  /** \brief Selects a range of frames from a stereo sequence. */
   RecordedFrames(std::shared_ptr<const FrameSequence> sequence,
                  const FrameRange& range);
 

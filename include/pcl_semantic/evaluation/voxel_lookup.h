@@ -17,8 +17,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Finds the occupied voxels at points, with the voxel boundaries that scans
- * use. */
+/** \brief Finds the occupied voxels at points. A point lies in the same voxel as in
+ * SemanticVoxelMap::integrate(). */
 class VoxelLookup {
 public:
   /** \brief Index for "no voxel". */
@@ -32,18 +32,21 @@ public:
    * \return its index in the cloud, or none */
   std::int32_t at(const Eigen::Vector3d& point) const;
 
-  /** \brief The voxel whose cube is nearest to a point: at() if there is one; in a tie,
-   * the first by z, y, x.
+  /** \brief The voxel whose cube is nearest to a point. In a tie, it is the first voxel
+   * in the order z, y, x.
+   * \param[in] point world frame [m]
    * \param[in] within largest distance to the cube [m]; 0 = only the voxel that
    * contains the point
    * \return its index in the cloud, or none */
   std::int32_t nearest(const Eigen::Vector3d& point, double within) const;
 
-  /** \brief nearest() of many points. */
+  /** \brief Calls nearest() for many points, in parallel.
+   * \return one index per point */
   std::vector<std::int32_t> indices(const std::vector<Eigen::Vector3d>& points,
                                     double within = 0.0) const;
 
-  /** \brief Index in the cloud of the voxel with a grid index, or none. */
+  /** \brief The voxel with a global index, see VoxelCloud::indices.
+   * \return its index in the cloud, or none */
   std::int32_t find(const VoxelIndex& index) const;
 
 private:
@@ -55,35 +58,42 @@ private:
   double voxel_size_;
 };
 
-/** \brief The labels of a map at one time, by index in its cloud: before the CRF (fused
- * measurements only) and after. */
+/** \brief The labels of the voxels of a cloud, before the CRF (fused measurements) and
+ * after it. */
 struct MapLabels {
+  /** \throws BadInputException if a label is above 255 */
   explicit MapLabels(const VoxelCloud& voxels);
 
   VoxelLookup lookup;
-  std::vector<Label> measured;
-  std::vector<Label> refined;
+  std::vector<Label> measured; ///< by index in the cloud
+  std::vector<Label> refined;  ///< by index in the cloud
 };
 
-/** \brief The label of each index; kUnlabelled for VoxelLookup::none. */
+/** \brief Converts indices of voxels to labels. VoxelLookup::none becomes kUnlabelled.
+ * \param[in] labels by index in the cloud */
 std::vector<Label> labelsAt(const std::vector<std::int32_t>& indices,
                             const std::vector<Label>& labels);
 
-/** \brief The same for an image of indices.
+/** \brief Converts an image of voxel indices to labels. VoxelLookup::none becomes
+ * kUnlabelled.
  * \param[in] indices CV_32SC1
+ * \param[in] labels by index in the cloud
  * \return CV_8UC1 */
 cv::Mat labelsAt(const cv::Mat& indices, const std::vector<Label>& labels);
 
-/** \brief Depth lookup: the label of the voxel that contains each pixel's own measured
- * point. The paper's released code evaluates this way; compare only these scores with
+/** \brief Looks up labels at the depth of a frame: a pixel gets the label of the voxel
+ * that contains its measured point.
+ *
+ * The paper's released code evaluates this way. Other scores cannot be compared with
  * the paper's.
- * \param[in] map queried in its current state
+ * \param[in] map only its window is searched
  * \param[in] cloud organized cloud of the frame, camera frame [m]; NaN = no depth
  * \param[in] T_world_camera pose of the frame
- * \param[in] max_depth points with a larger z are not looked up [m]
- * \return CV_8UC1 of the cloud's size; 0 = no depth, or no occupied voxel there
+ * \param[in] max_depth largest z of a point to look up [m]
+ * \return CV_8UC1 of the cloud's size; 0 = no depth, a depth beyond \a max_depth, or no
+ * labelled voxel there
  * \throws InvalidParameterException if the cloud is not organized
- * \throws BadInputException as requireRigid() */
+ * \throws BadInputException if the pose is not rigid */
 cv::Mat labelsAtDepth(const SemanticVoxelMap& map,
                       const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                       const Eigen::Isometry3d& T_world_camera, double max_depth);
@@ -95,27 +105,28 @@ struct RenderedLabels {
   cv::Mat indices; ///< CV_32SC1, index of the voxel in the cloud; -1 = none
 };
 
-/** \brief Renders voxels as solid cubes, the nearest along the ray of each pixel
- * centre.
+/** \brief Renders voxels as solid cubes. A pixel shows the nearest cube along the ray
+ * of its centre.
  *
- * A cube covers [index, index + 1) times the voxel size in the world frame. A face
- * without a neighbour is drawn 0.2 voxels from the voxel's point, inside its cube,
- * because whole cubes are thicker than the surfaces they represent. The colour of a
- * cube is the label of its point in the cloud. The result depends neither on the number
- * of threads nor on the order of the voxels, with one exception: if two cubes touch
- * exactly on a ray, the first in the cloud wins.
+ * A cube covers [index, index + 1) times the voxel size in the world frame. Whole cubes
+ * are thicker than the surfaces that they represent. A face without a neighbour is
+ * therefore drawn inside its cube, 0.2 voxels from the point of the voxel. A cube gets
+ * the label of its point.
  *
- * A cube with a corner nearer than z = 0.1 m is ignored: it would cover the image, and
- * it is noise or part of the vehicle.
+ * The result depends neither on the number of threads nor on the order of the voxels,
+ * with one exception: if two cubes touch exactly on a ray, the first in the cloud wins.
+ *
+ * A cube with a corner nearer than z = 0.1 m is ignored. Such a cube would cover the
+ * image, and its points are noise or part of the vehicle.
  * \param[in] voxels points, indices, voxel size and the labels of the cloud are used
  * \param[in] camera pinhole with its image size
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
  * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
  * infinite
  * \return images of height x width
- * \throws InvalidParameterException unless cloud and indices have the same length and
- * voxel size, image size and \a max_depth are positive
- * \throws BadInputException as requireRigid() */
+ * \throws InvalidParameterException if cloud and indices differ in length, or if voxel
+ * size, image size or \a max_depth is not positive
+ * \throws BadInputException if the pose is not rigid, or a label is above 255 */
 RenderedLabels renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
                             const Eigen::Isometry3d& T_world_camera, double max_depth);
 

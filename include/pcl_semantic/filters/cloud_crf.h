@@ -16,13 +16,13 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The fields of all points of a cloud. */
+/** \brief The fields of a cloud that a CRF reads: one column or entry per point. */
 struct CloudFields {
   Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
-  bool is_single = true;    ///< positions fit in single precision
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< frame of the cloud [m]
+  bool is_single = true;    ///< the cloud's own positions have single precision
   Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
-  std::vector<std::uint32_t> labels;
+  std::vector<std::uint32_t> labels; ///< 0 = unlabelled
   std::uint32_t width = 0;
   std::uint32_t height = 0;
 };
@@ -30,9 +30,10 @@ struct CloudFields {
 /** \brief A CRF over the points of a cloud of any type: settings and run(). */
 class CloudCRF : public CRFSettings {
 public:
-  /** \brief Sets the measurements, L x size of the input cloud. All-zero columns are
-   * unlabelled and take the label of their neighbours, if any have one. Replaces
-   * setLabelConfidence(). */
+  /** \brief Sets the measurements. Replaces setLabelConfidence().
+   * \param[in] distributions L x size of the input cloud. The points of all-zero
+   * columns are unlabelled. They take the label of their neighbours, if a neighbour has
+   * one */
   void
   setLabelDistributions(const LabelDistributions& distributions)
   {
@@ -42,43 +43,55 @@ public:
 
   /** \brief Uses the labels of the input cloud as measurements, 0 = unlabelled.
    * Replaces setLabelDistributions().
-   * \param[in] confidence probability of the label, 0..1; the other classes share the
-   * rest
+   * \param[in] confidence probability of the label, 0..1. The other classes share the
+   * remaining probability equally
    * \param[in] classes L, 1 to 255
    * \throws InvalidParameterException if \a confidence or \a classes is out of range */
   void setLabelConfidence(double confidence, int classes);
 
-  /** \brief Treats the points as voxels: kernels take positions from the indices, so
-   * the origin of the cloud has no effect.
-   * \param[in] indices one per point of the input cloud; empty = use the points' xyz
+  /** \brief Treats the points as voxels: kernels compute the positions from voxel
+   * indices instead of xyz. The result then does not depend on the origin of the cloud.
+   * \param[in] indices one per point of the input cloud; empty = use xyz
    * \param[in] voxel_size [m]
-   * \throws InvalidParameterException if the size is not positive */
+   * \throws InvalidParameterException if there are indices and the size is not positive
+   */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
-  /** \brief Sets the origin that was subtracted from the input positions, as in
-   * LabelledCloud::origin. Clique generators align their cells with it. Without this
-   * call, PCL_WARN reports positions degraded by single precision, see doubtOfSteps().
+  /** \brief Sets the origin of the input positions: the point that was subtracted from
+   * them, as LabelledCloud::origin. Clique generators align their cells with this
+   * origin.
+   *
+   * Without this call, a cloud whose positions have lost precision far from 0 is
+   * reported by PCL_WARN, see doubtOfSteps().
    * \param[in] origin [m]; zero by default
    * \throws InvalidParameterException unless finite */
   void setOrigin(const Eigen::Vector3d& origin);
 
-  /** \brief Whether kernels use the colours of the points, if the type has colours. */
+  /** \brief Sets whether kernels and clique generators use the colours of the points;
+   * true by default. The setting has no effect if the point type has no colours. */
   void
   setUseColour(bool use)
   {
     use_colour_ = use;
   }
 
-  /** \brief Sets the cliques of the last two models, as indices of points. Cliques may
-   * overlap and need not cover all points. Points that take no part are removed from
-   * their cliques, and cliques without remaining members are skipped (CRFReport).
-   * Replaces a generator.
-   * \throws InvalidParameterException that names the clique, if one is empty; run()
-   * reports an index out of range */
+  /** \brief Sets the cliques of the models `pn_potts` and `hierarchical`. Replaces a
+   * generator.
+   *
+   * Cliques may overlap and need not cover all points. Points that are skipped or
+   * outside setIndices() are removed from the cliques of a run. Cliques without
+   * remaining members are skipped, see CRFReport::skipped_cliques. run() reports an
+   * index out of range.
+   * \param[in] cliques indices of points of the input cloud
+   * \throws InvalidParameterException that names the clique, if a clique is empty */
   void setCliques(const std::vector<pcl::PointIndices>& cliques);
 
-  /** \brief Makes the cliques of each run from all valid points of its input cloud,
-   * whose width and height must be set. Replaces setCliques(); null = no cliques. */
+  /** \brief Sets a generator that makes the cliques of each run from the whole input
+   * cloud. Replaces setCliques().
+   *
+   * The width and height of the cloud must be set. The generator gets points without a
+   * position as NaN.
+   * \param[in] generator null = no cliques */
   void
   setCliqueGenerator(const CliqueGenerator::Ptr& generator)
   {
@@ -93,32 +106,37 @@ public:
     return refined_;
   }
 
-  /** \brief Number of points skipped by the last filter(). Points that are not finite
-   * or more than max_coordinate from the origin get label 0 and no distribution. Two or
-   * more points at exactly 0 0 0 (no-returns of a scanner) keep their label and
-   * distribution. */
+  /** \brief Number of points skipped by the last filter().
+   *
+   * A point with a coordinate that is not finite or beyond max_coordinate gets label 0
+   * and no distribution. Two or more points at exactly 0 0 0 (no-returns of a scanner)
+   * keep their label and distribution, unless setVoxels() gives their positions. */
   std::size_t
   getSkippedPoints() const
   {
     return skipped_points_;
   }
 
-  /** \brief Largest coordinate [m]; beyond it single precision has steps of a metre. */
+  /** \brief Largest magnitude of a coordinate [m]. Single precision has steps of a
+   * metre there. */
   static constexpr float max_coordinate = 1e7f;
 
   /** \brief Refines the points of the given indices.
    * \param[in,out] cloud the labels of these points are rewritten
-   * \param[in] measured the cloud's own measurements, L x points, used if none were
-   * set; null = its labels, if setLabelConfidence() was called
-   * \param[in] cliques the cloud's own, used if neither cliques nor a generator were
-   * set
-   * \throws InvalidParameterException, BadInputException as SemanticCRF */
+   * \param[in] measured measurements from a field of the cloud, L x points. They are
+   * used if neither setLabelDistributions() nor setLabelConfidence() was called; null =
+   * no field
+   * \param[in] cliques cliques from a field of the cloud. They are used if neither
+   * cliques nor a generator were set; null = no field
+   * \throws InvalidParameterException if a setting does not fit the cloud, or there are
+   * no measurements
+   * \throws BadInputException at an invalid label or distribution */
   void run(CloudFields& cloud, const pcl::Indices& indices,
            const LabelDistributions* measured = nullptr,
            const std::vector<pcl::PointIndices>* cliques = nullptr);
 
-  /** \brief run() for a cloud without points; ignores settings that depend on the
-   * size. */
+  /** \brief Does the work of run() for a cloud without points. Settings with one entry
+   * per point are ignored. */
   void runEmpty();
 
 protected:
@@ -142,10 +160,13 @@ protected:
     return use_colour_;
   }
 
-  /** \brief Converts numbers of any type to labels without instances; 0 for an invalid
-   * number where labels are not measurements.
-   * \param[in] is_single the numbers were floats, which are exact up to 2^24
-   * \throws BadInputException that names the point, if labels are measurements */
+  /** \brief Converts numbers to labels. The upper 16 bits of a 32-bit number are an
+   * instance (SemanticKITTI) and are removed. A number that is no label becomes 0,
+   * unless labels are measurements.
+   * \param[in] is_single the numbers were stored as floats. Floats hold integers
+   * exactly below 2^24
+   * \throws BadInputException that names the point, if labels are measurements and a
+   * number is no label */
   std::vector<std::uint32_t> labelsOf(const std::vector<double>& numbers,
                                       bool is_single) const;
 

@@ -12,19 +12,20 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Makes the labels of a cloud consistent: mean field in a CRF over its points
- * (section IV of the paper; doc/crf.md).
+/** \brief Makes the labels of a cloud consistent by mean-field inference in a CRF over
+ * its points (section IV of the paper; doc/crf.md).
  *
- * A pcl::Filter that removes no points: the output is the input with the `label` of the
- * points of setIndices() rewritten. The organization is kept, and the filter works in
- * place. Points outside the indices keep their label and distribution, exchange no
- * messages and are removed from cliques. Points that are not finite remain, with label
- * 0, and are counted. Two or more points at exactly 0 0 0, the no-returns of a scanner,
- * are counted and treated like points outside the indices. An empty cloud is returned
- * unchanged.
+ * A pcl::Filter that rewrites the `label` of the points of setIndices(). It removes no
+ * points and keeps the organization. Input and output may be the same cloud.
  *
- * Works for every registered point type with the fields x, y, z (float) and label.
- * Types with rgb or rgba have colour kernels. */
+ * Points outside the indices keep their label and distribution. They exchange no
+ * messages and are removed from cliques. Two or more points at exactly 0 0 0, the
+ * no-returns of a scanner, are treated like points outside the indices. Points that are
+ * not finite get label 0. getSkippedPoints() counts these and the no-returns. An empty
+ * cloud is returned unchanged.
+ *
+ * Works for every registered point type with the fields x, y, z (float or double) and
+ * label. Types with rgb or rgba have colour kernels. */
 template <typename PointT>
 class SemanticCRF : public CheckedFilter<PointT>, public CloudCRF {
 public:
@@ -35,7 +36,8 @@ public:
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
 protected:
-  /** \throws InvalidParameterException if a setting does not fit the cloud
+  /** \throws InvalidParameterException if there are no measurements, or a setting does
+   * not have the size of the cloud
    * \throws BadInputException at an invalid label or distribution */
   void applyFilter(PointCloud& output) override;
 
@@ -50,8 +52,8 @@ private:
  * Unless setLabelDistributions() or setLabelConfidence() was called, the measurements
  * are the field `probability`. Unless cliques or a generator were set, the cliques are
  * the field `clique`. The output is the input with `label` and, if present,
- * `probability` rewritten in their own types. doc/formats.md lists the accepted names
- * of both. */
+ * `probability` rewritten. Both fields keep their types. doc/formats.md lists the
+ * accepted names of the fields. */
 template <>
 class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
     : public CheckedFilter<pcl::PCLPointCloud2>, public CloudCRF {
@@ -62,12 +64,16 @@ public:
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
 protected:
-  /** \throws InvalidParameterException if the cloud has no `label`, if it has no
-   * `probability` and no measurements were set, if `probability` has another number of
-   * classes than these, if a model needs cliques and there are none, or if a setting
-   * does not fit the cloud
-   * \throws BadInputException at an invalid value of a field, or labels of another name
-   * in an unknown encoding */
+  /** \throws InvalidParameterException if the cloud has no `label`
+   * \throws InvalidParameterException if there are no measurements, neither set nor in
+   * `probability`
+   * \throws InvalidParameterException if the set measurements and `probability` have
+   * different numbers of classes
+   * \throws InvalidParameterException if the model needs cliques and there are none
+   * \throws InvalidParameterException if a setting does not have the size of the cloud
+   * \throws BadInputException at an invalid value of a field
+   * \throws BadInputException if the labels are in a field of another name and their
+   * encoding is unknown */
   void applyFilter(pcl::PCLPointCloud2& output) override;
 };
 

@@ -11,37 +11,37 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Smaller probabilities are raised to this value, because a network's zeros
- * carry no information. */
+/** \brief Lower clamp of a network's probabilities. The size of smaller probabilities
+ * carries no information. */
 constexpr float kMinProbability = 1e-4f;
 
-/** \brief One curve per class over a feature, linear between knots and constant beyond
- * them. */
+/** \brief One curve per class over a feature. A curve is linear between its knots and
+ * constant beyond the first and the last. */
 struct ClassCurves {
   Feature feature;
   std::vector<float> knots; ///< rising, two or more
   Eigen::MatrixXf values;   ///< L x knots
 };
 
-/** \brief Calibrates a network's probabilities p, using features z of a point:
- * multinomial logistic regression,
+/** \brief A calibration of a network's probabilities p. It uses features z of a point,
+ * and is a multinomial logistic regression (~ means proportional to):
  *
- *   p'(l) ~ p(l)^s exp(b_l + sum_z f_lz(z)),
+ *   p'(l) ~ p(l)^s exp(b_l + sum_z f_lz(z))
  *
- * temperature and bias as in vector scaling (Guo et al. 2017, "On calibration of modern
- * neural networks") and curves over features. Classes without a fit keep their
- * probability, and the others share the rest. fitCalibration() learns it from ground
- * truth. */
+ * Sharpness s and bias b_l are those of vector scaling with one temperature 1 / s (Guo
+ * et al. 2017, "On calibration of modern neural networks"). f_lz are curves over the
+ * features. A class without a fit keeps its probability. The fitted classes share the
+ * remaining probability. fitCalibration() fits a calibration to ground truth. */
 struct LabelCalibration {
-  std::string of;                    ///< "pixels" or "cliques"; empty = either
-  std::vector<bool> fitted;          ///< per class
-  std::vector<Label> ground;         ///< ground classes
-  float sharpness = 1.0f;            ///< s
-  Eigen::VectorXf bias;              ///< b, L
-  std::vector<ClassCurves> curves;   ///< f, of any features in the order of Feature
+  std::string of;                  ///< "pixels" or "cliques"; empty = either
+  std::vector<bool> fitted;        ///< per class
+  std::vector<Label> ground;       ///< classes of the ground
+  float sharpness = 1.0f;          ///< s
+  Eigen::VectorXf bias;            ///< b, L
+  std::vector<ClassCurves> curves; ///< f, in the order of Feature, which may have gaps
   std::vector<Eigen::MatrixXf> seen; ///< feature histograms of the training data,
                                      ///< one per curve; empty = unknown
-  float usual_distance = 0.0f;       ///< see domainShift(); 0 = unknown
+  float usual_distance = 0.0f;       ///< divisor of domainShift(); 0 = unknown
 
   int
   classes() const
@@ -49,7 +49,8 @@ struct LabelCalibration {
     return static_cast<int>(fitted.size());
   }
 
-  /** \brief The identity for L classes. */
+  /** \brief A calibration of L classes that changes probabilities only by the clamp
+   * kMinProbability. */
   static LabelCalibration identity(int classes);
 
   /** \throws InvalidParameterException if sizes do not fit, or a value is not finite or
@@ -57,8 +58,10 @@ struct LabelCalibration {
   void validate() const;
 };
 
-/** \brief Calibrates distributions, with the same result for any number of threads.
- * Unlabelled columns stay unlabelled. The curves of an unknown feature are omitted.
+/** \brief Calibrates distributions. The result does not depend on the number of
+ * threads. Unlabelled columns stay unlabelled. A curve is omitted where its feature is
+ * unknown.
+ * \param[in] distributions L x points
  * \param[in] features one per column, or empty if all are unknown
  * \throws InvalidParameterException if sizes do not fit
  * \throws BadInputException at a negative or non-finite probability */
@@ -66,35 +69,43 @@ LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
                              const std::vector<PointFeatures>& features);
 
-/** \brief Fraction of a class's pixels at each knot of a feature: L x knots. The class
- * is the network's; a pixel between two knots counts for both in part. Unlabelled
- * pixels and pixels without the feature are ignored; all zero if no others exist. Above
- * 100,000 pixels only every second, third ... is used.
- * \param[in] features one per column of \a distributions */
+/** \brief Computes the fraction of the pixels in each class and at each knot of a
+ * feature. The class is the most probable one of the network.
+ *
+ * A pixel between two knots counts for both by linear interpolation. Unlabelled pixels
+ * and pixels without the feature are ignored. From 100,000 pixels on, only every second
+ * pixel is used, from 200,000 on every third, and so on.
+ * \param[in] features one per column of \a distributions
+ * \return L x knots with sum 1, or all zero without a usable pixel */
 Eigen::MatrixXf featureHistogram(Feature feature, const std::vector<float>& knots,
                                  const LabelDistributions& distributions,
                                  const std::vector<PointFeatures>& features);
 
-/** \brief Mean total variation between two lists of histograms: 0 = equal, 1 =
- * disjoint. Pairs with an empty histogram are ignored; NaN if no pair is left. */
+/** \brief Mean total variation distance between the histograms of two lists at the same
+ * positions: 0 = equal, 1 = disjoint. Pairs with an empty histogram are ignored. NaN if
+ * no pair remains. */
 double histogramDistance(const std::vector<Eigen::MatrixXf>& histograms,
                          const std::vector<Eigen::MatrixXf>& others);
 
 /** \brief Distance of a frame from the training frames of a calibration, by
- * histogramDistance(). 1 = distance of the training sequence least like the others. NaN
- * if the calibration has no histograms or no histogram can be compared.
- * \param[in] features one per column of \a distributions */
+ * histogramDistance(). It is divided by LabelCalibration::usual_distance, the largest
+ * distance of a training sequence from the other training sequences.
+ * \param[in] features one per column of \a distributions
+ * \return NaN if the calibration has no histograms or no histogram can be compared */
 double domainShift(const LabelCalibration& calibration,
                    const LabelDistributions& distributions,
                    const std::vector<PointFeatures>& features);
 
-/** \brief Reads a calibration: YAML with classes by name (doc/formats.md).
- * \param[in] of required kind, unless the file states none
+/** \brief Reads a calibration from a YAML file with classes by name (doc/formats.md).
+ * \param[in] label_set the classes that the file may name
+ * \param[in] of required kind: "pixels" or "cliques". A file that states no kind is
+ * accepted
  * \throws BadInputException with file and line */
 LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set,
                                  const std::string& of = "pixels");
 
-/** \brief Prints a calibration as YAML for readCalibration(), without loss. */
+/** \brief Returns a calibration as YAML text for readCalibration(). The numbers are
+ * exact. */
 std::string printCalibration(const LabelCalibration& calibration,
                              const LabelSet& label_set);
 

@@ -21,40 +21,49 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A semantic occupancy map in a window that moves with the sensor.
  *
- * Scans of any sensor update occupancy by ray casting and fuse colour and label
- * distributions (section III of the paper). Blocks that leave the window move to a
- * BlockStore and return with the window. World frame: x forward, y left, z up [m].
+ * integrate() updates the occupancy by ray casting and fuses colours and label
+ * distributions (section III of the paper). Scans may come from any sensor. Blocks that
+ * leave the window move to a BlockStore. They return when the window contains them
+ * again. World frame: x forward, y left, z up [m].
  *
- * One thread may write (non-const methods) while others read. A reader sees the map
- * between two calls of the writer, and waits during a call. Exceptions of the store
- * pass through; the window then stays where it is. */
+ * One thread may write (non-const methods) while others read. A read waits while the
+ * writer is inside a call. All methods pass on the exceptions of the store. An
+ * exception of the store never moves the window. */
 class SemanticVoxelMap {
 public:
   using Ptr = std::shared_ptr<SemanticVoxelMap>;
   using ConstPtr = std::shared_ptr<const SemanticVoxelMap>;
   using Parameters = MapParameters;
+  /** \brief Called with the index of a block, in units of blocks from the world origin,
+   * and the block. */
   using VisitBlock = std::function<void(const VoxelIndex&, const VoxelBlock&)>;
 
   /** \param[in] label_set the classes of every distribution given to integrate()
    * \param[in] store null for a store in memory
-   * \throws InvalidParameterException */
+   * \throws InvalidParameterException if a parameter is out of range */
   SemanticVoxelMap(const LabelSet& label_set, const Parameters& parameters,
                    std::shared_ptr<BlockStore> store = nullptr);
 
   ~SemanticVoxelMap();
 
-  /** \brief Integrates one scan: moves the window to the sensor, casts a ray to every
-   * point, and fuses colours and labels of the end points. One update per voxel and
-   * scan; a hit wins over a miss.
-   * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
-   * \param[in] T_world_sensor pose of the sensor; sensorPose() gives that of the cloud
+  /** \brief Adds one scan to the map.
+   *
+   * The window moves to the sensor. A ray to every point updates the occupancy. The
+   * voxels of the end points fuse the colours and labels of these points. Each scan
+   * updates a voxel once. A hit takes precedence over a miss.
+   * FusionParameters::per_ray_counting counts every ray instead.
+   * \param[in] cloud sensor frame [m]; any point type with xyz, organized or not. If
+   * the type has rgb or rgba, the colours are fused
+   * \param[in] T_world_sensor pose of the sensor; for a cloud from a `.pcd` see
+   * sensorPose()
    * \param[in] distributions L x cloud.size(), or LabelDistributions() for a scan
    * without labels
    * \param[in] deviations standard deviations of the distance to each point [m], or
    * empty if the distances are exact. A ray clears nothing within two deviations of its
-   * end, and its hit has less weight. A point whose deviation is NaN or negative is
-   * skipped.
-   * \throws InvalidParameterException if the sizes do not fit the cloud
+   * end. A larger deviation gives the hit less weight. A point is skipped if its
+   * deviation is NaN, negative, or 1e6 m or more
+   * \throws InvalidParameterException if the sizes do not fit the cloud, or the cloud
+   * has 2^31 points or more
    * \throws BadInputException if the pose is not rigid or too far away, or a
    * probability is negative or not finite */
   template <typename PointT>
@@ -63,9 +72,10 @@ public:
                        const LabelDistributions& distributions = LabelDistributions(),
                        const std::vector<float>& deviations = {});
 
-  /** \brief Fuses the labels of a scan that was integrated without them, as integrate()
-   * would have: in each voxel that contains an end point and was hit. Voxels that have
-   * left the window get no labels.
+  /** \brief Fuses the labels of a scan that was integrated without labels.
+   *
+   * Labels are fused as in integrate(), in each voxel that has been hit and contains an
+   * end point of the scan. Voxels that have left the window get no labels.
    * \param[in] cloud, T_world_sensor as for integrate()
    * \param[in] distributions L x cloud.size()
    * \return number of labelled voxels
@@ -77,31 +87,39 @@ public:
 
   /** \brief Moves the window without a scan, for queries of a loaded map.
    * \param[in] centre world frame [m]
-   * \throws BadInputException if it is too far away */
+   * \throws BadInputException if the centre is not finite or too far away */
   void moveWindow(const Eigen::Vector3d& centre);
 
-  /** \brief The occupied voxels of the window, or of the window and the store. */
+  /** \brief The occupied voxels of the window. */
   VoxelCloud occupied() const;
+
+  /** \brief The occupied voxels of the window and the store. */
   VoxelCloud occupiedEverywhere() const;
 
-  /** \brief Visits every block, stored ones included, by z, y, x of their indices.
+  /** \brief Visits every block of the window and the store, in the order z, y, x of the
+   * indices.
    * \param[in] visit must not call the map */
   void forEachBlock(const VisitBlock& visit) const;
 
-  /** \brief Writes the changed blocks to the store, which is then complete. */
+  /** \brief Writes the changed blocks to the store. The store then contains the whole
+   * map. */
   void flush();
 
-  /** \brief Origin of the points of all returned clouds, world frame [m]: a multiple of
-   * a kilometre near the first sensor, or the origin of the map that is continued. */
+  /** \brief Origin of the points of all returned clouds, world frame [m]. It is a
+   * multiple of a kilometre near the first sensor, unless setCloudOrigin() has set it.
+   */
   Eigen::Vector3d cloudOrigin() const;
 
+  /** \brief Sets cloudOrigin(), to continue another map.
+   * \param[in] origin world frame [m]
+   * \throws InvalidParameterException if the origin is not finite */
   void setCloudOrigin(const Eigen::Vector3d& origin);
 
-  /** \brief Stores refined distributions. They hold until the voxel is measured again;
-   * the measurements stay unchanged.
+  /** \brief Stores refined distributions. A voxel keeps its refined distribution until
+   * a scan adds labels to the voxel. Voxels outside the window are ignored.
    * \param[in] voxels as occupied() returned them
    * \param[in] refined L x voxels.size()
-   * \param[in] as_measured also replace the measured labels
+   * \param[in] as_measured also replaces the fused measurements by \a refined
    * \throws InvalidParameterException if a size does not fit or a value is no
    * probability */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined,
@@ -110,18 +128,25 @@ public:
   /** \brief Occupancy at a point, world frame [m]; unknown outside the window. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
-  /** \brief MAP labels (refined if available) of the occupied voxels at points, from
-   * one state of the map; kUnlabelled elsewhere. */
+  /** \brief The most probable labels (refined if available) of the voxels at points.
+   * Points outside the window and points in voxels that are not occupied are
+   * kUnlabelled. The writer does not change the map during the call.
+   * \param[in] points world frame [m]
+   * \return one label per point */
   std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
 
+  /** \brief The voxel that contains a point, world frame [m]. Outside the window, its
+   * occupancy is unknown. */
   VoxelState state(const Eigen::Vector3d& point) const;
 
-  /** \brief The known voxels (free or occupied) that intersect a box, blocks by z, y,
-   * x. */
+  /** \brief The known voxels (free or occupied) of the window that intersect a box.
+   * \param[in] box world frame [m]
+   * \return voxels in the order of VoxelCloud; none if the box is empty or NaN */
   std::vector<VoxelState> states(const Eigen::AlignedBox3d& box) const;
 
-  /** \brief The first occupied voxel along a segment; nothing if there is none, or an
-   * end is not finite or too far away. */
+  /** \brief The first occupied voxel of the window along a segment.
+   * \param[in] from, to ends of the segment, world frame [m]
+   * \return nothing if no voxel is occupied, or an end is not finite or too far away */
   std::optional<VoxelState> firstOccupied(const Eigen::Vector3d& from,
                                           const Eigen::Vector3d& to) const;
 
@@ -129,8 +154,8 @@ public:
    * \throws InvalidParameterException if the point is not finite or too far away */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
-  /** \brief Sets the number of threads of integrate() and of the queries, as
-   * CRFSettings::setNumberOfThreads(). */
+  /** \brief Sets the number of threads of integrate() and of the queries.
+   * \param[in] threads as CRFSettings::setNumberOfThreads() */
   void setNumberOfThreads(int threads);
 
   /** \brief Memory of the window and of the last scan, without the store [bytes]. */

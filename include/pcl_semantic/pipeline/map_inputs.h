@@ -15,27 +15,31 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * labels and poses. See doc/map.md. */
 struct MapInputs {
   SequenceFiles sequence;
-  std::string clouds;       ///< instead of the sequence: folder or pattern, see
-                            ///< CloudSequence
-  std::string rgbd;         ///< instead of the sequence: folder of an RgbdSequence
+  /// Folder or pattern of clouds instead of the sequence, see CloudSequence.
+  std::string clouds;
+  std::string rgbd;         ///< folder of an RgbdSequence, instead of the sequence
   double depth_scale = 0.0; ///< of the RGB-D sequence; 0 = default of its layout
-  std::string sensor;       ///< of the clouds: own, camera, grey or laser; empty = own,
-                            ///< or camera with a calibration
+  /// Sensor of the clouds: `own` (any), `camera` or `grey` (left camera of KITTI's
+  /// colour or grey pair) or `laser` (KITTI's Tr). Empty = own, or camera with a
+  /// calibration.
+  std::string sensor;
   std::string scan_columns; ///< of `.bin` clouds, see parseScanColumns()
   std::string labels;       ///< folder, see StoredPredictor
-  std::string label_set;    ///< of labels or clouds (.yaml); empty = KITTI's 11 classes
-  std::string label_mapping; ///< of their numbers; empty = they are labels
-  std::string network;       ///< description (.yaml), instead of labels
-  std::string model;         ///< network (.onnx); empty = from the description
-  std::string engine;        ///< see parseEngine()
+  std::string label_set;    ///< file of the classes (.yaml); empty = KITTI's 11 classes
+  /// Mapping from the numbers in label files to labels; empty = the numbers are labels.
+  std::string label_mapping;
+  std::string network; ///< description (.yaml), instead of labels
+  std::string model;   ///< network (.onnx); empty = from the description
+  std::string engine;  ///< see parseEngine()
   std::string label_calibration, clique_calibration; ///< see readCalibration()
-  /// Trajectory file, or `sequence` (the sequence's trajectory), `odometry`,
-  /// `viewpoint` (of the clouds), or `auto`: the sequence's trajectory if it exists,
-  /// else odometry.
+  /// Source of the poses: a trajectory file; `sequence` (the sequence's trajectory);
+  /// `odometry`; `viewpoint` (the viewpoint in each cloud's file); or `auto`.
+  /// `auto` uses the sequence's trajectory if it exists, else odometry.
   std::string poses = "auto";
   std::string frames = ":"; ///< see parseFrameRange()
   bool reads_scans = false; ///< also read scans beside the images of a sequence
-  /// Options and parameters from the user, with dashes. Each must have an effect.
+  /// Names of the options and parameters that the user has set, with dashes.
+  /// validate() refuses those without an effect.
   std::set<std::string> given;
 
   /** \brief The sensor of the clouds: \a sensor, or its default. */
@@ -44,15 +48,16 @@ struct MapInputs {
   /** \brief Whether the frames are from a camera. */
   bool hasCamera() const;
 
-  /** \brief Name of the frames, for messages. */
+  /** \brief Path of the RGB-D sequence, the clouds or the sequence, for messages. */
   const std::string& name() const;
 
-  /** \brief Checks for missing and contradictory inputs.
-   * \throws InvalidParameterException */
+  /** \brief Checks that the inputs are complete and consistent.
+   * \throws InvalidParameterException that names the options, if an input is missing,
+   * contradicts another one or has no effect */
   void validate(const MapperConfig& config) const;
 };
 
-/** \brief The inputs, named as options and in fleet plans. */
+/** \brief The inputs with the names that they have as options and in fleet plans. */
 ConfigParameters parametersOf(MapInputs& inputs);
 
 } // namespace pcl_semantic

@@ -19,39 +19,44 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The outputs of a map run. */
+/** \brief The files that a map run writes. */
 struct MapOutputs {
-  std::string folder; ///< of MappingOutput; empty = none
+  std::string folder; ///< for MappingOutput; empty = none
   MappingArchive::Options archive;
   /// Additional files for evaluation, separated by commas: measured, depth,
   /// probabilities, scans; see ExtraOptions.
   std::string also;
-  double scan_within = 0.0; ///< ExtraOptions::within [m]
-  bool images = true;       ///< write images of the frames, if they are from a camera
-  bool centres = false;     ///< ExtraOptions::centres
-  NamedValues summary;      ///< additional inputs listed in the summary
+  /// Radius to search for the voxel nearest to a point of a scan [m], 0 to 2.
+  double scan_within = 0.0;
+  bool images = true;   ///< write images of the frames, if they are from a camera
+  bool centres = false; ///< the points of the map are voxel centres
+  NamedValues summary;  ///< additional inputs listed in the summary
 };
 
-/** \brief Observes a map run. */
+/** \brief Observes a map run. The run calls all functions in the thread of its caller.
+ */
 class MapRunObserver {
 public:
   virtual ~MapRunObserver() = default;
 
-  /** \brief Whether to end the run before the next frame. */
+  /** \brief Whether the run should end now. Called before each frame. */
   virtual bool
   isInterrupted()
   {
     return false;
   }
 
-  /** \brief Whether to call MappingOutput::writeLive() after this frame. */
+  /** \brief Whether the run should write the current map for viewers, see
+   * MappingOutput::writeLive(). Called after each frame. */
   virtual bool
   isWatched()
   {
     return false;
   }
 
-  /** \brief Called before the first frame. \param[in] frames to map; 0 = unknown */
+  /** \brief Called before the first frame.
+   * \param[in] frames number of frames to map, without those of a resumed archive; 0 =
+   * unknown */
   virtual void
   onBegin(std::size_t /*frames*/)
   {}
@@ -66,25 +71,26 @@ public:
   onMapped(const SensorFrame& /*frame*/, const MappedFrame& /*mapped*/)
   {}
 
-  /** \brief Called with a doubt about the inputs or the map, in one line. */
+  /** \brief Called with a doubt: a warning about the inputs or the map, in one line. */
   virtual void
   onDoubt(const std::string& /*doubt*/)
   {}
 
-  /** \brief Called with the current step, in one line, to help find errors. */
+  /** \brief Called with a note for a log, in one line. */
   virtual void
   onNote(const std::string& /*note*/)
   {}
 };
 
-/** \brief Makes one map from the frames of a source: mapper, archive and output
- * files. */
+/** \brief Makes one map from the frames of a source and writes its archive and files.
+ */
 class MapRun {
 public:
   /** \param[in] inputs result of openInputs()
-   * \param[in] config must be valid
+   * \param[in] config parameters of the mapper
    * \param[in] observer null = none; must outlive the run
-   * \throws InvalidParameterException if outputs do not fit the inputs
+   * \throws InvalidParameterException if a parameter is out of range, an output is
+   * unknown, or an output needs images, scans or stored poses that the inputs lack
    * \throws BadInputException before any output, if a frame lacks a pose or stored
    * labels */
   MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outputs = {},
@@ -99,14 +105,17 @@ public:
     return run_;
   }
 
-  /** \brief Whether the archive exists and contains the finished map of these inputs.
-   * Reads and compares all frames. Removes a damaged archive or one of another run.
-   * \return also false if the archive contains a part of the map
-   * \throws OutputException if it cannot be removed */
+  /** \brief Whether the archive contains the finished map of these inputs.
+   *
+   * Reads all frames and compares them with the archive. Removes an archive that is
+   * damaged or contains the map of another run. Keeps an unfinished archive of this
+   * run, for run() to resume.
+   * \throws BadInputException if a frame cannot be read
+   * \throws OutputException if the archive cannot be removed */
   bool isMade();
 
-  /** \brief Labels frames in a separate thread, see LateLabels. Call it before
-   * run(). */
+  /** \brief Labels the frames in a separate thread, see LateLabels. Must be called
+   * before run(). */
   void
   labelLate()
   {
@@ -114,9 +123,14 @@ public:
   }
 
   /** \brief Maps the frames until their end or an interrupt and writes the outputs.
-   * After an error in a live source, the outputs contain the map of the previous
-   * frames.
-   * \throws BadInputException, BadModelException, OutputException */
+   *
+   * If a live source fails after its first frame, the outputs are written for the
+   * mapped frames, and the error is thrown afterwards.
+   * \throws BadInputException if a frame or label cannot be read, or no frame could be
+   * tracked
+   * \throws BadInputException if the frames of a resumed archive have changed
+   * \throws BadModelException if the network fails
+   * \throws OutputException if an output cannot be written */
   void run();
 
   /** \brief The map; valid after run(). */
@@ -181,8 +195,9 @@ private:
   bool has_doubted_distance_ = false;
 };
 
-/** \brief Removes an archive and SQLite's files beside it, if they exist.
- * \throws OutputException */
+/** \brief Removes an archive and the log files that SQLite keeps beside it, if they
+ * exist.
+ * \throws OutputException if a file cannot be removed */
 void removeArchive(const std::string& path);
 
 } // namespace pcl_semantic

@@ -30,7 +30,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Seconds of each stage of one frame, in order. */
+/** \brief Wall times of the stages of one frame. */
 class StageTimes {
 public:
   /** \brief Runs a stage and stores its wall time. \return the result of \a stage */
@@ -42,6 +42,7 @@ public:
     return stage();
   }
 
+  /** \brief Name and wall time [s] of each stage, in the order of execution. */
   const std::vector<std::pair<std::string, double>>&
   seconds() const
   {
@@ -62,7 +63,7 @@ private:
         times.seconds_.emplace_back(
             name, std::chrono::duration<double>(Clock::now() - start).count());
       }
-      catch (const std::bad_alloc&) { // keep the result of the stage
+      catch (const std::bad_alloc&) { // loses the time, keeps the stage's result
       }
     }
   };
@@ -72,41 +73,50 @@ private:
 
 /** \brief Result of processing one frame. */
 struct MappedFrame {
-  FrameTime frame;          ///< its number and time
-  cv::Mat image;            ///< the left or the camera's image; empty: no camera
-  DisparityImage disparity; ///< with deviations; empty for a cloud
-  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< camera frame [m], organized
-  bool has_colour = true;                       ///< whether the cloud has valid colours
-  LabelDistributions network;    ///< L x pixels (or points), before calibration;
-                                 ///< empty for unlabelled frames (network_every)
-  LabelDistributions calibrated; ///< L x pixels, fused instead; empty without
-                                 ///< calibration or labels
-  double domain_shift =
-      std::numeric_limits<double>::quiet_NaN(); ///< domainShift() of
-                                                ///< the calibration; NaN = unknown
+  FrameTime frame;
+  /// Left image, colour image, or the colours of an organized cloud; empty without a
+  /// camera.
+  cv::Mat image;
+  DisparityImage disparity; ///< of a stereo pair; else empty
+  /// Sensor frame [m]. If there is a camera, this is the camera frame, and the cloud is
+  /// organized as its images.
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;
+  bool has_colour = true; ///< whether the cloud has valid colours
+  /// Labels before calibration, L x points of the cloud. Empty if the frame has no
+  /// labels or MapperConfig::network_every skips them.
+  LabelDistributions network;
+  /// Calibrated labels, L x points of the cloud. The map fuses them instead of the
+  /// labels in \a network. Empty without calibration or labels.
+  LabelDistributions calibrated;
+  /// domainShift() of the label calibration; NaN = unknown.
+  double domain_shift = std::numeric_limits<double>::quiet_NaN();
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ScanCounts counts; ///< of the scan added to the map
-  VoxelCloud voxels; ///< the occupied voxels of the window after this frame
+  VoxelCloud voxels; ///< the occupied voxels of the window, after the CRF of this frame
   StageTimes times;
 };
 
 class MapCliques;
 
-/** \brief The whole pipeline: builds a semantic map from stereo or RGB-D frames, or
- * from labelled clouds of any sensor. */
+/** \brief The whole pipeline: builds a semantic map from stereo pairs, RGB-D frames or
+ * labelled clouds. */
 class SemanticMapper {
 public:
-  /** \brief Called after each frame. */
+  /** \brief Called after each frame with its results and the map. */
   using Callback = std::function<void(const MappedFrame&, const SemanticVoxelMap&)>;
 
   /** \param[in] label_set the classes of the map
-   * \param[in] poses of the sensor: of the left camera, if frames are from a camera
-   * \param[in] camera of the frames, if any. Clouds must then be organized like its
-   * images, in its frame, which enables `min_hit_ratio`, calibrations and superpixels
-   * \param[in] predictor class probabilities of the pixels of stereo pairs and RGB-D
-   * images, which require the camera; null = frames are labelled clouds
+   * \param[in] poses source of the sensor's poses. The sensor of stereo pairs is the
+   * left camera
+   * \param[in] camera rectified camera of the frames; none for clouds of another
+   * sensor. If it is given, clouds must be organized like its images and in its frame.
+   * It enables `min_hit_ratio`, calibrations and superpixels
+   * \param[in] predictor predicts the classes of stereo pairs and RGB-D images and
+   * requires the camera; null = the frames are labelled clouds
    * \param[in] store for voxels that leave the window; null = memory
-   * \throws InvalidParameterException */
+   * \throws InvalidParameterException if a parameter is out of range or does not apply
+   * to these frames, if \a poses is null, or if there is a predictor without a camera
+   */
   SemanticMapper(const LabelSet& label_set, MapperConfig config,
                  std::unique_ptr<PoseSource> poses,
                  const std::optional<StereoCamera>& camera = std::nullopt,
@@ -115,12 +125,13 @@ public:
 
   ~SemanticMapper();
 
-  /** \brief Resumes the map in the store. Call it before the first frame.
-   * \param[in] frames number of frames in it
-   * \param[in] finished whether finish() was called after them
-   * \param[in] cloud_origin of the map, see SemanticVoxelMap::cloudOrigin */
+  /** \brief Resumes the map in the store. Must be called before the first frame.
+   * \param[in] frames number of frames in this map
+   * \param[in] finished whether finish() was called after these frames
+   * \param[in] cloud_origin SemanticVoxelMap::cloudOrigin() of this map */
   void resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin);
 
+  /** \brief Sets a function to call at the end of process(). */
   void
   setCallback(Callback callback)
   {
@@ -128,33 +139,40 @@ public:
   }
 
   /** \brief Calibrates the labels of each frame before fusion.
-   * \throws InvalidParameterException unless the calibration has the map's classes */
+   * \throws InvalidParameterException if the calibration is invalid or does not have
+   * the map's classes, or there is no camera */
   void setLabelCalibration(LabelCalibration calibration);
 
-  /** \brief Computes cliques' costs psi_c(l), eq. (7), by a calibration of clique
-   * features instead of the members' mean.
-   * \throws InvalidParameterException unless the calibration has the map's classes and
-   * the model has clique costs */
+  /** \brief Sets a calibration that computes the cost psi_c(l) of a clique, eq. (7),
+   * from features of the clique. Without it, the cost is the mean cost of the members.
+   * \throws InvalidParameterException if the calibration is invalid or does not have
+   * the map's classes
+   * \throws InvalidParameterException unless the model is hierarchical and there is a
+   * camera
+   * \throws InvalidParameterException if the calibration needs the ground and
+   * `network_every` is not 1 */
   void setCliqueCalibration(LabelCalibration calibration);
 
-  /** \brief Processes one frame: cloud (for a stereo pair: disparity, cloud, labels),
-   * pose, map, CRF.
+  /** \brief Processes one frame: computes the pose, the cloud and the labels, adds them
+   * to the map, and runs the CRF.
    * \throws BadInputException or BadModelException that names the frame, also if a
    * cloud does not match the camera's images
-   * \throws InvalidParameterException for images, if the mapper was created for
-   * clouds */
+   * \throws InvalidParameterException if the frame is a pair or an image and there is
+   * no predictor, if the frame has no cloud, or if stereo parameters are set and
+   * the frame is no stereo pair */
   MappedFrame process(const SensorFrame& frame);
 
-  /** \brief Fuses late labels of a frame that was processed without labels. The CRF
-   * uses them with the next frame.
+  /** \brief Fuses the labels of a frame that was processed without labels. The next run
+   * of the CRF uses them.
    * \param[in] earlier result of process(); only its cloud and pose are used
-   * \param[in] labels L x pixels
-   * \throws InvalidParameterException if they have other classes or another number of
-   * pixels */
+   * \param[in] labels L x points of the cloud
+   * \throws InvalidParameterException if the labels have other classes or another
+   * number of points
+   * \throws BadInputException if a probability is negative or not finite */
   void addLabels(const MappedFrame& earlier, LabelDistributions labels);
 
-  /** \brief Runs the CRF over the window if the last frame skipped it (crf_every), so
-   * that the finished map is completely refined. */
+  /** \brief Runs the CRF over the window if measurements were added after its last run
+   * (`crf_every`, addLabels()). The finished map is then completely refined. */
   void finish();
 
   /** \brief Writes changes in the window to the store. */
@@ -209,7 +227,7 @@ private:
   std::unique_ptr<MapCliques> cliques_;
   Callback callback_;
   int frames_ = 0;
-  bool refined_ = true; // by the CRF, after the last frame
+  bool refined_ = true; // no measurement was added after the last run of the CRF
 };
 
 } // namespace pcl_semantic

@@ -13,27 +13,29 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief Parameters of SuperpixelCliques. */
 struct SuperpixelParameters {
   SlicParameters slic;
-  double passing_distance = 0.5; ///< of DepthJumps [m]; points within two voxels are
-                                 ///< near
-  bool keep = false;  ///< voxels out of view keep their superpixel from the last frame
-                      ///< that saw them
-  int min_voxels = 2; ///< smaller cliques are left out
+  /// DepthJumps::passing_distance [m]. DepthJumps::near is two voxels.
+  double passing_distance = 0.5;
+  /// Voxels without a pixel in a frame keep their previous superpixel.
+  bool keep = false;
+  int min_voxels = 2; ///< cliques with fewer voxels are removed
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
-/** \brief Superpixels of a frame, projected into the map after the frame was
- * integrated: a voxel joins the part of a superpixel with the most pixels in it.
+/** \brief Superpixels of a frame as cliques of voxels. The frame must be integrated
+ * into the map first.
  *
- * The frame's colours are clustered (slicSuperpixels()), its superpixels are split at
- * depth discontinuities (splitAtDepthJumps()), and each pixel with depth votes for its
- * part in the voxel of its point (SemanticVoxelMap::integrate()). In a tie, the part
- * whose first pixel comes first wins. Voxels without a pixel belong to no clique, or,
- * with SuperpixelParameters::keep, keep the groups of the last frame that saw them.
- * Only voxels of the last cloud are kept. */
+ * slicSuperpixels() clusters the colours of the frame. splitAtDepthJumps() splits the
+ * superpixels into parts at depth discontinuities. The point of each pixel lies in a
+ * voxel (as in SemanticVoxelMap::integrate()). A voxel joins the part with the most
+ * pixels in it; in a tie, the part whose first pixel comes first in the image.
+ *
+ * Voxels without a pixel belong to no clique. With SuperpixelParameters::keep, such a
+ * voxel keeps its previous group. Only groups of voxels in the last cloud are kept. */
 class SuperpixelCliques : public CliqueGenerator {
 public:
   SuperpixelCliques() = default;
@@ -47,32 +49,34 @@ public:
     return parameters_;
   }
 
-  /** \brief The colours of the frame are used, not those of the voxels. */
+  /** \brief Returns false, because the voxels need no colours: superpixels come from
+   * the colours of the frame. */
   bool
   usesColour() const override
   {
     return false;
   }
 
-  /** \brief Sets the frame of the next generate(); null = none, so that only kept
-   * superpixels are returned.
-   * \param[in] cloud organized, camera frame [m]; not copied
-   * \param[in] T_world_camera its pose
+  /** \brief Sets the frame of the next generate().
+   * \param[in] cloud organized, camera frame [m]; not copied. Without a cloud (null),
+   * generate() returns only kept superpixels
+   * \param[in] T_world_camera pose of the camera
    * \throws BadInputException if the cloud has points and is not organized, or the pose
-   * is not finite */
+   * is not rigid */
   void setFrame(const Cloud::ConstPtr& cloud, const Eigen::Isometry3d& T_world_camera);
 
-  /** \brief Sets the voxels of the points of the next generate(), as in VoxelCloud;
-   * points of one voxel join one superpixel.
-   * \param[in] indices global, one per point
+  /** \brief Sets the voxels of the points of the next generate(). Points of one voxel
+   * join one superpixel.
+   * \param[in] indices VoxelCloud::indices, one per point
    * \param[in] voxel_size [m]
    * \throws InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
-  /** \brief Groups the voxels; in the order of their first points.
-   * \param[in] cloud as many points as in setVoxels(); non-finite points belong to no
+  /** \brief Groups the voxels.
+   * \param[in] cloud as many points as in setVoxels(). Non-finite points belong to no
    * clique
-   * \throws InvalidParameterException if the numbers differ */
+   * \return cliques in the order of their first points
+   * \throws InvalidParameterException if the numbers of points differ */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
 private:
@@ -83,7 +87,7 @@ private:
   Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();
   std::vector<VoxelIndex> voxels_;
   double voxel_size_ = 0.0;
-  std::vector<VoxelIndex> kept_voxels_; // of the last call
+  std::vector<VoxelIndex> kept_voxels_; // of the last generate()
   std::vector<int> kept_parts_;
 };
 

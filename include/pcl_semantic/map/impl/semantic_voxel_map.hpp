@@ -37,7 +37,7 @@ SemanticVoxelMap::integrate(const pcl::PointCloud<PointT>& cloud,
                             const std::vector<float>& deviations)
 {
   Scan scan = detail::makeScan(cloud);
-  if (distributions.classes() > 0) // else none of any point
+  if (distributions.classes() > 0) // 0 classes: a scan without labels
     scan.distributions = &distributions;
   if (!deviations.empty())
     scan.deviations = &deviations;
