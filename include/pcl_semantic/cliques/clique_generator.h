@@ -47,8 +47,8 @@ public:
   }
 
   /** \brief Sets the origin that was subtracted from the clouds' positions, see
-   * localOrigin(). Generators that divide space into cells place them as if it had not
-   * been subtracted. Without this call, these generators warn by PCL_WARN if single
+   * localOrigin(). Generators that divide space into cells align these cells with the
+   * original positions. Without this call, these generators warn by PCL_WARN if single
    * precision has degraded the positions, see doubtOfSteps().
    * \param[in] origin [m]; zero by default */
   void
@@ -68,8 +68,9 @@ public:
   virtual std::vector<pcl::PointIndices> generate(const Cloud& cloud) = 0;
 
 protected:
-  /** \brief See setOrigin().
-   * \param[in] generator its name */
+  /** \brief Warns by PCL_WARN if single precision has degraded the positions and
+   * setOrigin() was not called.
+   * \param[in] generator name of the calling class, for the warning */
   void judgeSteps(const std::string& generator, const Cloud& cloud) const;
 
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< [m]

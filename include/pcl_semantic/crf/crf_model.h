@@ -101,7 +101,7 @@ class CliqueSet {
 public:
   CliqueSet() = default;
 
-  /** \param[in] cliques the members of each, from 0 (pcl::Indices fit)
+  /** \param[in] cliques the members of each, counted from 0, for example pcl::Indices
    * \param[in] variables N, up to 2^31 - 1
    * \throws InvalidParameterException that names the clique, if it is empty, has a
    * member outside 0..N-1 or a member twice */
@@ -231,8 +231,9 @@ struct CrfModel {
 
   std::vector<CliquePotential> cliques;
 
-  /** \throws InvalidParameterException if sizes differ, a unary cost is not finite, L
-   * is not 1 to 255, a kernel is missing, or as CliquePotential::validate() */
+  /** \throws InvalidParameterException if a unary cost is not finite, L is not 1 to
+   * 255, a kernel is missing or is not over N variables, the compatibility is not over
+   * L labels, or as CliquePotential::validate() */
   void validate() const;
 };
 

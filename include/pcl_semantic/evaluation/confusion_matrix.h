@@ -70,18 +70,20 @@ struct ClassScores {
 
 /** \brief Scores over the evaluated classes. */
 struct Scores {
-  std::vector<ClassScores> classes; ///< in the order of their labels
-  ClassScores mean;             ///< over the classes present in the ground truth; the
-                                ///< exclusive ones over those with a covered pixel
-  double global_accuracy = 0.0; ///< fraction of covered pixels that are correct
+  std::vector<ClassScores> classes; ///< in the order given to computeScores()
+  /// Sums of pixels, and means of the scores over the classes in the ground truth. All
+  /// scores but the inclusive IoU are means over the classes with a covered pixel only.
+  /// The precision of a class that was never predicted counts as 0.
+  ClassScores mean;
+  double global_accuracy = 0.0;        ///< fraction of covered pixels that are correct
   double frequency_weighted_iou = 0.0; ///< exclusive, weighted by covered pixels
   double coverage = 0.0; ///< fraction of ground truth pixels that are covered
 };
 
 /** \brief Computes the scores of a confusion matrix.
  *
- * Only pixels whose ground truth is an evaluated class count. A prediction of another
- * class is a false negative there and no false positive.
+ * Only pixels whose ground truth is an evaluated class count. If the prediction is not
+ * an evaluated class, the pixel is a false negative and no false positive.
  * \param[in] confusion counts
  * \param[in] evaluated the classes that count
  * \throws InvalidParameterException if a class is 0 or beyond L */

@@ -33,20 +33,22 @@ struct SemanticCRFParameters {
   bool self_interaction = false; ///< kernels include the point itself, as densecrf does
 
   int iterations = 1; ///< mean-field updates
-  /// T: the result is Q^(1/T), normalised, of the marginals Q. Labels stay, but are
-  /// less confident (Guo et al. 2017); doc/calibration.md. The unary model ignores it.
+  /// T: raises the marginals to the power of 1/T and normalises them (Guo et al. 2017);
+  /// doc/calibration.md. Above 1, the labels stay the same with lower probabilities.
+  /// The unary model ignores T.
   double temperature = 1.0;
-  /// Keeps elements that were measured as a thin class (CRFSettings::setThinLabels())
-  /// unless messages outvote it by more than e^6: their neighbours mostly have other
-  /// classes.
+  /// Keeps the measurement of elements measured as a thin class, because most of their
+  /// neighbours have other classes (CRFSettings::setThinLabels()). Such an element only
+  /// changes if the messages favour another class by more than a factor of e^6.
   bool keep_thin = true;
 
   // Cliques of the last two models. All but the weight apply to the hierarchical model.
   double clique_weight = 1.0; ///< k_c, eq. (8)
   bool free_label = true;     ///< a clique may have no label
   double clique_truncation =
-      0.3; ///< q, the fraction of members that may disagree before
-  bool update_from_members = true; ///< else Q(y_c) follows from the clique costs only
+      0.3; ///< q, the fraction of members that may disagree with the clique's label
+  bool update_from_members =
+      true; ///< update Q(y_c) from the members; false: from the clique costs only
 
   // Kernel between cliques, over the mean position and colour of their members.
   double clique_appearance_weight = 0.0;
@@ -75,9 +77,9 @@ struct CRFReport {
   /// neighbour [m]; 0 = too few points.
   double spacing = 0.0;
   int updates = 0;                 ///< mean-field updates made
-  std::size_t unlabelled = 0;      ///< elements without a measurement that take part
-  std::size_t cliques = 0;         ///< cliques that take part
-  std::size_t skipped_cliques = 0; ///< cliques without members that take part
+  std::size_t unlabelled = 0;      ///< refined elements without a measurement
+  std::size_t cliques = 0;         ///< cliques with at least one refined element
+  std::size_t skipped_cliques = 0; ///< other cliques; the run ignores them
 };
 
 } // namespace pcl_semantic
