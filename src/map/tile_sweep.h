@@ -16,7 +16,8 @@
 namespace pcl_semantic {
 
 /** \brief Rays or bundles of rays as a struct of arrays, for vectorised loops. The
- * first column of numbers is the last slab that any of their rays reaches. */
+ * first column of numbers is the last slab that any ray of a row reaches. A slab is a
+ * layer of voxels across the longest axis of the rays. */
 template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
   std::array<std::vector<float>, Slopes> slopes;
   std::array<std::vector<std::int32_t>, Numbers> numbers;
@@ -26,7 +27,7 @@ template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
   void
   reserve(std::size_t rows)
   {
-    // The last column to grow: after std::bad_alloc others may be larger.
+    // The last column grows last: after std::bad_alloc, it shows that growth failed.
     if (numbers.back().size() >= rows + kernels::slab_lanes)
       return;
     forEachColumn([&](auto& column) { column.resize(2 * rows + kernels::slab_lanes); });
@@ -77,9 +78,9 @@ using RayRows = RayTable<2, 4>;
 enum RaySlope : std::size_t { kRowSlope, kColumnSlope };
 enum RayNumber : std::size_t { kEndSlab, kEndRow, kEndColumn, kPoint };
 
-/** \brief Bundles of rays of similar directions: the slopes and numbers of
- * kernels::BundleView in its order, and the range of their parts: smaller bundles, or
- * rays. */
+/** \brief Bundles of rays of similar directions. The columns are those of
+ * kernels::BundleView in its order, then the range of the bundle's parts, which are
+ * smaller bundles or rays. */
 using BundleRows = RayTable<12, 4>;
 enum BundleSlope : std::size_t {
   kRowLow,
@@ -95,12 +96,13 @@ kernels::RayView columnsOf(const RayRows& rays);
 
 kernels::BundleView columnsOf(const BundleRows& bundles);
 
-/** \brief The rays of one tile, ordered by leaf, and their bundles of several sizes. */
+/** \brief The rays of one tile, ordered by leaf (DirectedRay::leaf, a small range of
+ * directions), and their bundles of several sizes. */
 class RayTile {
 public:
-  static constexpr int kLevels = kLeafBits + 1; ///< of bundles
+  static constexpr int kLevels = kLeafBits + 1; ///< number of sizes of bundles
 
-  /** \brief Range of slopes of the bundles of a level. */
+  /** \brief Largest difference of slopes within a bundle of a level. */
   static float
   widthOf(int level)
   {
@@ -164,12 +166,13 @@ private:
 
   RayRows rays_;
   std::array<BundleRows, kLevels> levels_;
-  std::vector<std::uint16_t> leaf_;  // of the parts of a level
-  std::vector<Outermost> outermost_; // of their rays
+  std::vector<std::uint16_t> leaf_;  // leaf of each part, for makeLevels()
+  std::vector<Outermost> outermost_; // outermost rays of each part, likewise
 };
 
-/** \brief The axes of a face of directions: rays are longest along one axis; rows and
- * columns of cells are along the other two. */
+/** \brief The axes of a face, the set of rays that are longest along one axis in one
+ * direction. Rows and columns of cells (voxels of a slab) are along the other two
+ * axes. */
 struct FaceAxes {
   int along, row, column; ///< 0, 1 or 2
   int step;               ///< 1 or -1: direction along the axis
@@ -187,7 +190,7 @@ public:
     int first_row, last_row, first_column, last_column;
   };
 
-  /** \param[in] start voxel of the start */
+  /** \param[in] start voxel in which all rays start */
   void begin(const VoxelIndex& start, const FaceAxes& axes, const Extent& extent);
 
   /** \brief Completes a view with the bytes of a slab.
@@ -263,8 +266,9 @@ private:
   int level_ = 0;     // of the bundles of a group; -1: rays
   int groups_ = 0;    // number of started groups
   BundleRows active_; // of the group
-  std::array<BundleRows, RayTile::kLevels> parts_; // of a slab: of bundles of a level
-  RayRows rays_;                                   // of a slab
+  std::array<BundleRows, RayTile::kLevels> parts_; // parts of undecided bundles of a
+                                                   // level, for the current slab
+  RayRows rays_;                                   // likewise, of level 0
   std::vector<std::uint32_t> left_;                // undecided rays or bundles
   std::vector<kernels::RaySlab> undecided_;
 };

@@ -7,7 +7,8 @@
 #include <cstdint>
 
 /** \brief Inner loops of semi-global matching, on raw pointers. D is the number of
- * disparities; a pixel has D bytes, a row width * D. */
+ * disparities. Costs are one byte per pixel and disparity: D bytes of a pixel, then
+ * those of the next pixel in the row. */
 namespace pcl_semantic::kernels {
 
 /** \brief Bytes of a pixel's census, one bit per comparison. */
@@ -22,8 +23,9 @@ constexpr int disparity_block = 64;
 constexpr int slot_padding = 64;
 constexpr std::uint8_t max_path_cost = 191;
 
-/** \brief Census of a row of both images, by byte. The right one is reversed: byte
- * width - 1 - u + d belongs to the pixel that matches u at disparity d. */
+/** \brief Census of a row of both images, with an array for each byte of the census.
+ * The right row is reversed: element width - 1 - u + d belongs to the pixel that
+ * matches u at disparity d. */
 struct CensusRow {
   int width, disparities;
   const std::uint8_t *left[census_bytes], *right[census_bytes];
@@ -34,13 +36,13 @@ struct PathRow {
   int width, disparities;
   const std::uint8_t* costs;
   std::uint8_t small_step; ///< P1: penalty of a disparity change by one pixel
-  /// P2: penalty of a larger change from the pixel above; and along the row, from the
-  /// left and, one pixel on, from the right.
+  /// P2: penalty of a larger change. down[u]: from the pixel above to pixel u.
+  /// along[u]: between the pixels u - 1 and u of the row, in both directions.
   const std::uint8_t *large_step_down, *large_step_along;
-  /// Slot of each pixel and the minimum of each slot: of the previous row, then of this
-  /// one.
+  /// Slot of each pixel and the minimum of each slot. They contain the path costs of
+  /// the previous row, which those of this row replace.
   std::uint8_t *down, *smallest_down;
-  std::uint8_t* along; ///< one slot more
+  std::uint8_t* along; ///< slot of the current pixel, for the paths along the row
   std::uint16_t* sums; ///< over all directions; for each pixel the even disparities,
                        ///< then the odd ones
 };
@@ -58,7 +60,7 @@ struct RowMatches {
   std::uint16_t *right_sum[2], *right_disparity[2];
 };
 
-/** \brief Missing sum beyond the range of disparities. */
+/** \brief Value for the sum of a disparity beyond the range. */
 constexpr std::uint16_t no_sum = 65535;
 
 struct SemiGlobal {
