@@ -12,7 +12,7 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Two calibrated cameras side by side, as described by OpenCV's
- * `stereoCalibrate`: pinhole cameras with its polynomial distortion (no fisheyes).
+ * `stereoCalibrate`: pinhole cameras with OpenCV's polynomial distortion (no fisheyes).
  *
  * A point x_1 in the left camera's frame is x_2 = R x_1 + T in the right camera's
  * frame. */
@@ -23,7 +23,7 @@ struct StereoRig {
   std::vector<double> D1, D2; ///< k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 .. s4 [tx ty]]]]
   Eigen::Matrix3d R;          ///< rotation from the left to the right camera's frame
   Eigen::Vector3d T;          ///< translation from the left to the right frame; x < 0
-  std::string stated_size{};  ///< how a file leads to the size, for messages
+  std::string stated_size{};  ///< derivation of the size from the file, for messages
   std::vector<std::string>
       doubts; ///< about the file, one per line, for a program to print
 
@@ -57,7 +57,8 @@ struct StereoRig {
  * \param[in] path the calibration, or only the intrinsics
  * \param[in] extrinsics_path file of R and T, if separate; for ROS and EuRoC the right
  * camera's file
- * \throws BadInputException with file and key */
+ * \throws BadInputException that names the file and the key, if a value is missing or
+ * invalid, or the sizes of the cameras differ */
 StereoRig readStereoRig(const std::string& path,
                         const std::string& extrinsics_path = "");
 

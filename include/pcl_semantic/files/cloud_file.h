@@ -38,7 +38,8 @@ constexpr const char* kScanColumnsHelp = "columns of a .bin, float32 each: their
  * properties of its vertices; faces are ignored. `.bin`: scans of float32 columns, with
  * the `label` of the `.label` file (uint32) of the same name in the same folder or in
  * `../labels`, if there is one. Fields with alternative names (see doc/formats.md) are
- * also available as `label`, `probability` and `rgba`. `label` is reduced to classOf().
+ * also available as `label`, `probability` and `rgba`. `label` keeps its lower 16 bits,
+ * the class (classOf()).
  * \param[in] columns of a `.bin`
  * \throws BadInputException that names the file and, if possible, the line; also for a
  * `.bin` whose size does not fit the columns or whose numbers are implausible */
@@ -46,19 +47,21 @@ PcdTable readCloudTable(const std::string& path, const ScanColumns& columns = {}
 
 /** \brief Writes a binary `.pcd` (version 0.7), complete or not at all. PCL's own
  * writer leaves an empty file if the disk is full.
- * \throws InvalidParameterException if fields and data do not fit
+ * \throws InvalidParameterException if the data lacks fields of a point, a field is
+ * invalid or occurs twice, or the viewpoint is not finite
  * \throws OutputException if it cannot be written */
 void writeCloudTable(const std::string& path, const PcdTable& table);
 
 /** \brief Reads labelled points (readCloudTable()). Fields may be in any order and of
- * any sufficient type; all but x y z are optional: x y z [m]; rgb or rgba (four bytes,
+ * any numeric type; all but x y z are optional: x y z [m]; rgb or rgba (four bytes,
  * packed as in PCL); label (0 = unlabelled); probability (COUNT L; must sum to 1 within
  * 0.1 and is normalised, all zero = unlabelled); clique (0 = none).
  *
  * Without a label field, labels are the most probable classes. Cliques are in the order
- * of their numbers. `label` is reduced to classOf(). An empty cloud may have no fields.
+ * of their numbers. `label` keeps its lower 16 bits, the class (classOf()). An empty
+ * cloud may have no fields.
  * \param[in] mapping from the numbers in `label` to labels; unmapped numbers become
- * unlabelled and are counted there. null = the numbers are labels
+ * unlabelled, and the mapping counts them. null = the numbers are labels
  * \param[in] columns as in readCloudTable()
  * \throws BadInputException as readCloudTable(), or naming field and point: a value is
  * missing, negative or not finite, or a label exceeds L or 255 */
@@ -75,14 +78,14 @@ LabelledCloud readLabelledCloud(const std::string& path,
  * and, if it has colour, rgba.
  * \throws InvalidParameterException if the sizes of cloud, table and distributions
  * differ, cliques overlap (see readCliques()), or the origin is not finite
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeLabelledCloud(const std::string& path, const LabelledCloud& labelled);
 
 /** \brief Writes a cloud as read from its file, except for the field `clique`: clique c
  * has the number c + 1, points without a clique have 0.
  * \throws InvalidParameterException as writeLabelledCloud(), or if the cloud was not
  * read from a file
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeCliques(const std::string& path, const LabelledCloud& labelled);
 
 } // namespace pcl_semantic

@@ -19,8 +19,9 @@ enum class ArchiveAccess { read, write };
  * doc/map.md describes the layout.
  *
  * Blocks can be put at any time and become part of the file together, by commit().
- * After a crash the file contains the last commit. One program writes from beginning to
- * end; any number may read, and they see the last commit before they opened the file.
+ * After a crash the file contains the last commit. Only one program can have the file
+ * open for writing. Any number of programs may read. They see the last commit before
+ * they opened the file.
  * Every record has a checksum that includes its key, so that damage is reported and
  * never read as a map. Not for network file systems.
  *
@@ -64,7 +65,7 @@ public:
       const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const;
 
   /** \brief Writes all pending changes to disk, all or nothing.
-   * \param[in] state its counts are set here */
+   * \param[in] state the method replaces its counts */
   void commit(ArchiveState state);
 
   /** \brief Ends writing. All commits are then in one file, which can be read from
@@ -85,8 +86,9 @@ private:
 };
 
 /** \brief A checksum over all data that a merge reads from an archive: configuration,
- * origin and blocks. It detects accidental changes, not forgery.
- * \throws BadInputException */
+ * origin, blocks, and whether the map is finished. It detects accidental changes, not
+ * forgery.
+ * \throws BadInputException if the file is no archive, or is damaged */
 std::uint64_t archiveDigest(const std::string& path);
 
 /** \brief Reads an archive, or all archives of a tile index, and verifies checksums and
