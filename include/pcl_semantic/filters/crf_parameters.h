@@ -28,13 +28,13 @@ struct SemanticCRFParameters {
   double colour_deviation = 8.0;     ///< theta_beta [grey levels, 0..255]
 
   KernelMethod kernel_method = KernelMethod::automatic;
-  double radius = 2.0; ///< of truncated kernels [position deviations]
+  double radius = 2.0; ///< radius of truncated kernels [position deviations]
   Normalization normalization = Normalization::symmetric;
   bool self_interaction = false; ///< kernels include the point itself, as densecrf does
 
   int iterations = 1; ///< mean-field updates
   /// T: raises the marginals to the power of 1/T and normalises them (Guo et al. 2017);
-  /// doc/calibration.md. Above 1, the labels stay the same with lower probabilities.
+  /// doc/calibration.md. Labels do not change; above 1 their probabilities decrease.
   /// The unary model ignores T.
   double temperature = 1.0;
   /// Keeps the measurement of elements measured as a thin class, because most of their
@@ -52,8 +52,8 @@ struct SemanticCRFParameters {
 
   // Kernel between cliques, over the mean position and colour of their members.
   double clique_appearance_weight = 0.0;
-  double clique_appearance_deviation = 1.0; ///< of positions
-  double clique_colour_deviation = 8.0;     ///< of colours [grey levels]
+  double clique_appearance_deviation = 1.0; ///< deviation of positions [m, px]
+  double clique_colour_deviation = 8.0;     ///< deviation of colours [grey levels]
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;

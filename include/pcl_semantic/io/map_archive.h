@@ -21,9 +21,8 @@ enum class ArchiveAccess { read, write };
  * Blocks can be put at any time and become part of the file together, by commit().
  * After a crash the file contains the last commit. Only one program can have the file
  * open for writing. Any number of programs may read. They see the last commit before
- * they opened the file.
- * Every record has a checksum that includes its key, so that damage is reported and
- * never read as a map. Not for network file systems.
+ * they opened the file. Every record has a checksum that includes its key, so that
+ * damage is reported and never read as a map. Not for network file systems.
  *
  * All methods are thread-safe. They throw OutputException (disk full, read-only,
  * another writer) or BadInputException (damaged file) with the file name and, if

@@ -36,8 +36,8 @@ struct PathRow {
   int width, disparities;
   const std::uint8_t* costs;
   std::uint8_t small_step; ///< P1: penalty of a disparity change by one pixel
-  /// P2: penalty of a larger change. down[u]: from the pixel above to pixel u.
-  /// along[u]: between the pixels u - 1 and u of the row, in both directions.
+  /// P2: penalty of a larger change. large_step_down[u]: from the pixel above to pixel
+  /// u. large_step_along[u]: between pixels u - 1 and u of the row, in both directions.
   const std::uint8_t *large_step_down, *large_step_along;
   /// Slot of each pixel and the minimum of each slot. They contain the path costs of
   /// the previous row, which those of this row replace.
