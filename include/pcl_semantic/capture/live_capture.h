@@ -20,7 +20,7 @@ bool isCapture(const std::string& name);
  * \param[in] files names `left` and `right`, and the calibration; `times` is ignored
  * \throws BadInputException if a source cannot be opened or gives no image
  * \throws BadInputException if a video states no frame rate, the sizes of left and
- * right differ, or the calibration does not fit */
+ * right differ, or the calibration is invalid or for another image size */
 std::unique_ptr<LiveCamera> openCaptures(const ImagePairFiles& files);
 
 } // namespace pcl_semantic

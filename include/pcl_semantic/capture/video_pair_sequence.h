@@ -20,7 +20,8 @@ public:
   /** \param[in] files `left` and `right` are videos
    * \throws BadInputException if a video cannot be read, or the videos differ in size,
    * length or rate (by more than 0.01 per second)
-   * \throws BadInputException if the calibration or the times do not fit */
+   * \throws BadInputException if the calibration is invalid or for another image size,
+   * or `times` has not one row per frame */
   explicit VideoPairSequence(const ImagePairFiles& files);
 
   ~VideoPairSequence() override;

@@ -23,10 +23,11 @@ struct LabelledCloud {
    * sensor_orientation_. Non-finite points keep their index. Positions are relative to
    * \a origin. */
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
-  LabelDistributions distributions;       ///< L x points; no classes: hard labels only
-  std::vector<pcl::PointIndices> cliques; ///< of finite points, disjoint, none empty
-  bool has_colour = false;                ///< false: the cloud's colours are undefined
-  bool has_labels = false;                ///< false: the cloud's labels are undefined
+  LabelDistributions distributions; ///< L x points; no classes: hard labels only
+  std::vector<pcl::PointIndices>
+      cliques;             ///< disjoint groups of finite points, none empty
+  bool has_colour = false; ///< false: the cloud's colours are undefined
+  bool has_labels = false; ///< false: the cloud's labels are undefined
   PcdTable table; ///< contents of the file, including fields that this struct does not
                   ///< interpret
   /// Origin that was subtracted from the positions, see localOrigin() [m]; zero unless

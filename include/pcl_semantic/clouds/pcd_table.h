@@ -67,7 +67,8 @@ struct PcdTable : pcl::PCLPointCloud2 {
    * \param[in] field its offset is ignored
    * \param[in] values of all points, packed
    * \param[in] bytes size of \a values
-   * \throws InvalidParameterException if \a bytes does not fit the number of points */
+   * \throws InvalidParameterException unless \a bytes is the size of the field times
+   * the number of points */
   void setColumn(pcl::PCLPointField field, const void* values, std::size_t bytes);
 
   /** \brief Sets a column from a vector, \a count values per point. */

@@ -16,7 +16,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief An enumerated value with one word per enumerator. */
 struct ConfigChoice {
-  std::vector<std::string> words; ///< of the values 0, 1, ...
+  std::vector<std::string> words; ///< words of the values 0, 1, ...
   std::function<int()> get;
   std::function<void(int)> set;
 };

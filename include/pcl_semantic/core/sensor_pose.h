@@ -42,7 +42,7 @@ sensorPose(const pcl::PointCloud<PointT>& cloud)
  * a transposed matrix (OpenGL, ARCore) or one read from 12 numbers fails here. The
  * rotation may be off by 1e-3, because text files have few digits.
  * \param[in] name of the pose, for the message: "the pose of the sensor"
- * \throws BadInputException */
+ * \throws BadInputException that names the pose, if it is not rigid */
 void requireRigid(const Eigen::Isometry3d& pose, const std::string& name);
 
 } // namespace pcl_semantic

@@ -86,8 +86,8 @@ quantize(const Eigen::Vector3d& point, double voxel_size)
 
 // Maps hold voxels in blocks of 8 x 8 x 8.
 constexpr int kBlockBits = 3;
-constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels
-constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
+constexpr int kBlockEdge = 1 << kBlockBits;                        ///< edge in voxels
+constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< number of voxels
 
 inline VoxelIndex
 blockOf(const VoxelIndex& voxel)

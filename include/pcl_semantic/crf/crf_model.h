@@ -207,9 +207,10 @@ struct CliquePotential {
            double(largestWeight(c));
   }
 
-  /** \throws InvalidParameterException if a matrix or kernel is missing, its size does
-   * not fit L = \a labels and N = \a variables, a value is not finite or out of range,
-   * or a setting would be ignored (a unary cost or kernels of P^n Potts) */
+  /** \throws InvalidParameterException if a matrix or kernel is missing, its size is
+   * not that of L = \a labels, C cliques and N = \a variables, a value is not finite or
+   * out of range, or a setting would be ignored (a unary cost or kernels of P^n Potts)
+   */
   void validate(Eigen::Index labels, Eigen::Index variables) const;
 };
 

@@ -23,7 +23,7 @@ struct GaussianTerm {
       features; ///< d x N, divided by their deviations; empty = positions only
 
   /** \throws InvalidParameterException if the deviation is not positive, the weight is
-   * negative, the features do not fit \a points, or a value is not finite */
+   * negative, the features have not one column per point, or a value is not finite */
   void validate(Eigen::Index points) const;
 };
 
@@ -38,7 +38,7 @@ enum class KernelMethod {
 
 struct GaussianKernelOptions {
   KernelMethod method = KernelMethod::automatic;
-  float radius = 2.0f; ///< of truncated sums, in position deviations
+  float radius = 2.0f; ///< radius of truncated sums, in position deviations
   Normalization normalization = Normalization::symmetric;
 };
 

@@ -45,7 +45,8 @@ public:
 
   /** \brief Reads the next frame.
    * \return nothing after the last frame
-   * \throws BadInputException that names the file */
+   * \throws BadInputException that names the file, if it cannot be read or is invalid
+   */
   virtual std::optional<SensorFrame> next() = 0;
 
   /** \brief Sets the frame that next() reads: the i-th of frames(). A live source

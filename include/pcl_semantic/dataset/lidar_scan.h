@@ -42,7 +42,8 @@ std::vector<Label> readSemanticKittiLabels(const std::string& path,
  * \throws BadInputException if it contains an incomplete label or a class beyond L */
 std::vector<Label> readScanLabels(const std::string& path, int classes);
 
-/** \brief Writes labels in the same format. \throws OutputException */
+/** \brief Writes labels in the same format.
+ * \throws OutputException if the file cannot be written */
 void writeScanLabels(const std::string& path, const std::vector<Label>& labels);
 
 } // namespace pcl_semantic

@@ -66,8 +66,8 @@ public:
   }
 
   /** \brief Doubts, one per line, for a program to print: about the camera's file, and
-   * a depth scale that does not fit the first frames. Reads depth images until one has
-   * depths. */
+   * a depth scale that makes the depths of the first frames implausible. Reads depth
+   * images until one has depths. */
   std::vector<std::string> doubts() const;
 
   /** \brief Reads the i-th frame.

@@ -15,7 +15,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * second-largest number
  * \throws InvalidParameterException for another type (for example integer millimetres),
  * or if a depth is negative
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeDepthImage(const std::string& path, const cv::Mat& depth);
 
 /** \brief Reads depths of an image (`.png`), or of the points of a scan (`.bin`: one

@@ -42,21 +42,23 @@ private:
 /** \brief Flushes a file name to disk, if its folder is readable. */
 void synchronizeFolderOf(const std::string& path);
 
-/** \brief Writes a file of \a size bytes through AtomicFile. \throws OutputException */
+/** \brief Writes a file of \a size bytes through AtomicFile.
+ * \throws OutputException if the file cannot be written */
 void writeBytes(const std::string& path, const void* bytes, std::size_t size);
 
-/** \brief Writes a text file through AtomicFile. \throws OutputException */
+/** \brief Writes a text file through AtomicFile.
+ * \throws OutputException if the file cannot be written */
 void writeTextFile(const std::string& path, const std::string& text);
 
 /** \brief Makes a folder and its parents, checks that it is writable, and removes
  * temporary files of AtomicFile that killed processes left there.
- * \throws OutputException */
+ * \throws OutputException if the folder cannot be made or is not writable */
 void makeOutputFolder(const std::string& path);
 
 /** \brief Removes the files of a folder that are named by a frame number and \a
  * extension (`000012.png`).
  * \param[in] is_removed selects frames; null = all
- * \throws OutputException */
+ * \throws OutputException if a file cannot be removed */
 void removeFrameFiles(const std::string& folder, const std::string& extension,
                       const std::function<bool(int frame)>& is_removed = nullptr);
 

@@ -24,7 +24,7 @@ std::string printParameters(const ConfigParameters& parameters);
 /** \brief Sets the parameters of a config from a YAML file; the others keep their
  * values.
  * \param[in] path empty = no file
- * \throws BadInputException with file and line */
+ * \throws BadInputException that names file and line, if a key or value is invalid */
 template <typename Config>
 void
 readConfig(const std::string& path, Config& config)

@@ -26,8 +26,10 @@ std::vector<TextLine> readLines(const std::string& path);
 /** \brief Formats "PATH line N", for messages. */
 std::string atLine(const std::string& path, int line);
 
-/** \brief Refuses folders, pipes and devices, because opening one could block forever.
- * \throws BadInputException */
+/** \brief Requires a regular file, because opening a pipe or a device could block
+ * forever.
+ * \throws BadInputException if the path is a folder, pipe or device, or does not exist
+ */
 void requireRegularFile(const std::string& path);
 
 /** \brief Largest frame number. It limits the rows of trajectories; larger numbers in

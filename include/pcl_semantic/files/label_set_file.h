@@ -9,13 +9,15 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads a label set (`data/label_sets/\*.yaml`).
- * \throws BadInputException with file and line */
+ * \throws BadInputException that names file and line, if the file cannot be read or is
+ * invalid */
 LabelSet readLabelSet(const std::string& path);
 
 /** \brief Reads a label set; the eleven classes of KITTI if \a path is empty. */
 LabelSet readLabelSetOrDefault(const std::string& path);
 
-/** \brief Writes a file for readLabelSet(). \throws OutputException */
+/** \brief Writes a file for readLabelSet().
+ * \throws OutputException if the file cannot be written */
 void writeLabelSet(const std::string& path, const LabelSet& label_set);
 
 /** \brief Reads a mapping from ids to the classes of \a label_set

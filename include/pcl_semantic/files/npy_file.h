@@ -19,7 +19,8 @@ struct NpyArray {
 };
 
 /** \brief Reads an `.npy` file: little-endian float32 or float16, C order, three axes.
- * \throws BadInputException that names the difference */
+ * \throws BadInputException that names the difference, if the file has another format
+ */
 NpyArray readNpy(const std::string& path);
 
 /** \brief Stored type of the values in an `.npy` file. */
@@ -30,7 +31,7 @@ enum class NpyType {
 
 /** \brief Writes a little-endian `.npy` file in C order, three axes.
  * \param[in] values height x width x depth, the last axis fastest
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeNpy(const std::string& path, int height, int width, int depth,
               const float* values, NpyType type);
 

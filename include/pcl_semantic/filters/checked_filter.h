@@ -24,7 +24,8 @@ public:
   using PointCloud = std::conditional_t<std::is_same_v<PointT, pcl::PCLPointCloud2>,
                                         PointT, pcl::PointCloud<PointT>>;
 
-  /** \brief As pcl::Filter::filter(). \throws std::bad_alloc */
+  /** \brief As pcl::Filter::filter().
+   * \throws std::bad_alloc if memory for the points is insufficient */
   void
   filter(PointCloud& output)
   {

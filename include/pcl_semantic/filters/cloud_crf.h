@@ -128,8 +128,8 @@ public:
    * no field
    * \param[in] cliques cliques from a field of the cloud. They are used if neither
    * cliques nor a generator were set; null = no field
-   * \throws InvalidParameterException if a setting does not fit the cloud, or there are
-   * no measurements
+   * \throws InvalidParameterException if a setting has not one entry per point of the
+   * cloud, or there are no measurements
    * \throws BadInputException at an invalid label or distribution */
   void run(CloudFields& cloud, const pcl::Indices& indices,
            const LabelDistributions* measured = nullptr,

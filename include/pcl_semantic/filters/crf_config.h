@@ -23,14 +23,14 @@ struct CRFConfig {
   SemanticCRFParameters parameters;
   int threads = 0; ///< 0 = all processors
 
-  std::string unit = "m";   ///< of positions, for the help
+  std::string unit = "m";   ///< unit of positions, for the help
   std::string clique_words; ///< valid values of `cliques`, for the help
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 
-  /** \brief Requires cliques for models that use them, and no cliques for other models.
-   * \throws InvalidParameterException */
+  /** \throws InvalidParameterException if a model that uses cliques has none, or
+   * another model has cliques */
   void requireFittingCliques() const;
 };
 

@@ -40,7 +40,7 @@ public:
     terms_.model = model;
   }
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException as SemanticCRFParameters::validate() */
   void setParameters(const SemanticCRFParameters& parameters);
 
   const SemanticCRFParameters&

@@ -39,12 +39,14 @@ cv::Size statedImageSize(const std::string& path);
  * without a class are refused, because scaled images contain mixed colours.
  * \return L x (width * height), pixels row by row, normalised; all-zero columns are
  * unlabelled
- * \throws BadInputException if size, type or values do not fit */
+ * \throws BadInputException if the file has another size, shape or type, a class beyond
+ * L, a colour without a class, or values that are no distributions */
 LabelDistributions readDistributions(const std::string& path, int width, int height,
                                      int classes, float confidence,
                                      const PixelMapping& mapping = {});
 
-/** \brief Writes the `.bin` format of readDistributions(). \throws OutputException */
+/** \brief Writes the `.bin` format of readDistributions().
+ * \throws OutputException if the file cannot be written */
 void writeDistributions(const std::string& path,
                         const LabelDistributions& distributions);
 
@@ -52,7 +54,7 @@ void writeDistributions(const std::string& path,
  * \param[in] distributions L x (width * height), pixels row by row
  * \param[in] width columns of the image [px]
  * \throws InvalidParameterException if the columns are not whole rows
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeDistributions(const std::string& path,
                         const LabelDistributions& distributions, int width,
                         NpyType type);

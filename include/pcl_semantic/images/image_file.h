@@ -38,7 +38,8 @@ const std::vector<std::string>& imageExtensions();
 cv::Mat readImage(const std::string& path, cv::Size size = {},
                   const std::string& like = {});
 
-/** \brief Writes a PNG file, complete or not at all. \throws OutputException */
+/** \brief Writes a PNG file, complete or not at all.
+ * \throws OutputException if the file cannot be written */
 void writePng(const std::string& path, const cv::Mat& image);
 
 } // namespace pcl_semantic

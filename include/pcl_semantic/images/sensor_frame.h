@@ -19,7 +19,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief One rectified stereo pair. */
 struct StereoFrame : FrameTime {
   cv::Mat left;  ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat right; ///< as left
+  cv::Mat right; ///< the same type as \a left
 };
 
 /** \brief A colour image with the depths of its pixels. */
@@ -38,7 +38,7 @@ struct CloudFrame : FrameTime {
   bool has_colour = false; ///< false: the cloud's colours are undefined
   /// T_world_sensor from the file (VIEWPOINT of a .pcd).
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
-  std::string path{};                ///< of its file; empty = none
+  std::string path{};                ///< path of its file; empty = none
   std::vector<std::string> doubts{}; ///< about its file, a line each
 };
 

@@ -34,7 +34,7 @@ struct MergeOptions {
   /// Called with the merged blocks of a tile and \a halo blocks around it, for example
   /// to refine labels. Changes to the halo are discarded.
   std::function<void(MapBlocks& blocks)> refine;
-  int halo = 0; ///< [blocks]
+  int halo = 0; ///< width of the surroundings that \a refine gets [blocks]
   BlockProgress progress;
 };
 
@@ -55,7 +55,7 @@ struct MapTile {
 };
 
 /** \brief The tiles that an archive covers after its motion, in order.
- * \throws BadInputException */
+ * \throws BadInputException if the archive cannot be read */
 std::vector<MapTile> tilesOf(const PlacedArchive& archive);
 
 /** \brief Merges one tile into an archive of its own, as mergeArchives() does.
@@ -73,7 +73,8 @@ std::string tilePath(const std::string& index, const MapTile& tile);
 /** \brief Joins the archives of tiles into one map: writes the index, a small text file
  * that MapReader::open() reads.
  * \param[in] tiles whose archives are at tilePath(); empty ones are left out
- * \throws BadInputException, OutputException */
+ * \throws BadInputException if an archive cannot be read
+ * \throws OutputException if the index cannot be written */
 void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles);
 
 /** \brief Merges maps of the same voxel size, label set and fusion parameters into a
@@ -90,7 +91,7 @@ void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
  *
  * \throws InvalidParameterException if there is nothing to merge or to move
  * \throws BadInputException that names the difference, or if an archive is damaged
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 std::uint64_t mergeArchives(const std::vector<PlacedArchive>& inputs,
                             const std::string& output,
                             const MergeOptions& options = {});

@@ -15,7 +15,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \param[in] origin that was subtracted from the positions; it is added again, in
  * double precision [m]
  * \throws InvalidParameterException if width x height is not the number of points
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeColourCloud(const std::string& path,
                       const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                       const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());

@@ -20,9 +20,9 @@ struct VoxelSelection {
 };
 
 struct ArchiveExtent {
-  std::size_t voxels = 0;  ///< occupied
-  Eigen::AlignedBox3d box; ///< of these voxels, world frame [m]; empty if there are
-                           ///< none
+  std::size_t voxels = 0;  ///< number of occupied voxels
+  Eigen::AlignedBox3d box; ///< box around these voxels, world frame [m]; empty if there
+                           ///< are none
 };
 
 /** \brief Counts the occupied voxels and computes their extent. Reads the whole
@@ -39,7 +39,7 @@ VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection)
  * are identical. Memory: one block. Reads the archive twice.
  * \return number of voxels
  * \throws BadInputException if the archive is damaged
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 std::size_t exportVoxels(const MapReader& archive, const VoxelSelection& selection,
                          const std::string& path,
                          VoxelColour colour = VoxelColour::measured,

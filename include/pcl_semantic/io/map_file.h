@@ -15,7 +15,7 @@ void saveMap(const SemanticVoxelMap& map, const std::string& path);
 
 /** \brief Loads the map of an archive into memory: the map can grow, the file stays
  * unchanged. Its window is empty until moveWindow() or a scan.
- * \throws BadInputException */
+ * \throws BadInputException if the file is no archive, or is damaged */
 std::unique_ptr<SemanticVoxelMap> loadMap(const std::string& path);
 
 } // namespace pcl_semantic

@@ -17,7 +17,7 @@ Eigen::Vector3d octreeShift(const VoxelScene& scene);
  * voxels are written if the scene has them; all others are unknown.
  * \throws BadInputException if the map exceeds the octree's range of 2^15 voxels on
  * each side of the world origin
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeOctree(const std::string& path, const VoxelScene& scene);
 
 } // namespace pcl_semantic

@@ -32,8 +32,8 @@ RunSensor sensorOf(const std::string& description);
 /** \brief Checksums that tell whether a frame is the one a map was made from. They
  * detect accidental changes, not forgery. */
 struct FrameDigest {
-  std::uint64_t data = 0;   ///< of images or points; 0 = unknown
-  std::uint64_t labels = 0; ///< 0 = unknown or without labels
+  std::uint64_t data = 0;   ///< checksum of images or points; 0 = unknown
+  std::uint64_t labels = 0; ///< checksum of labels; 0 = unknown or without labels
 };
 
 /** \brief Record of a frame that was integrated into a map. */
@@ -41,10 +41,10 @@ struct FrameRecord {
   int number = 0;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ScanCounts counts;
-  std::vector<std::pair<std::string, double>> seconds;            ///< by stage
+  std::vector<std::pair<std::string, double>> seconds; ///< time of each stage [s]
   double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
   double timestamp = std::numeric_limits<double>::quiet_NaN();    ///< [s]; NaN: unknown
-  FrameDigest digest; ///< of the frame's input
+  FrameDigest digest; ///< checksums of the frame's input
 };
 
 /** \brief Encodes a record without loss. Older records end before \a domain_shift, \a

@@ -33,7 +33,8 @@ std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positi
 /** \brief The poses of a trajectory for frames of a run.
  * \param[in] description of the run, see describeRun()
  * \param[out] doubts if not null: the warnings of readTrajectory() are appended
- * \throws BadInputException */
+ * \throws BadInputException if the description has no sensor, or the trajectory cannot
+ * be read */
 StoredPoses correctedPoses(const std::string& description,
                            const std::string& trajectory,
                            std::vector<std::string>* doubts = nullptr);
@@ -51,7 +52,7 @@ Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& traj
 
 /** \brief A submap and the trajectory that places it. */
 struct Submap {
-  std::string path;         ///< of its archive
+  std::string path;         ///< path of its archive
   std::string trajectory{}; ///< see submapMotion(); empty: not moved
   std::uint64_t digest = 0; ///< its archiveDigest(); 0: not computed yet
   /** \brief Cached motion of placed(); if set, the trajectory is not read. */

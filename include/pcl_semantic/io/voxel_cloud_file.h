@@ -29,7 +29,7 @@ public:
   /** \param[in] count total number of voxels
    * \param[in] voxel_size [m]
    * \param[in] origin of their points, world frame [m]
-   * \throws OutputException */
+   * \throws OutputException if the file cannot be written */
   VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                    VoxelColour colour, std::size_t count, double voxel_size,
                    const Eigen::Vector3d& origin);
@@ -39,7 +39,7 @@ public:
 
   /** \brief Completes the file, which then appears under its name.
    * \throws InvalidParameterException unless \a count voxels were written
-   * \throws OutputException */
+   * \throws OutputException if the file cannot be written */
   void commit();
 
 private:
@@ -55,7 +55,7 @@ private:
  * observations. Without measured colour there is no rgba. The comment `# voxel_grid
  * SIZE X Y Z` in the header gives the edge of a voxel and the lower corner of voxel 0
  * [m]: floor((point - corner) / size) is the index of a point's voxel.
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);
 

@@ -14,13 +14,13 @@ struct CalibrationSamples {
   std::vector<float> weights; ///< multiplicity of each, more than 0; empty = 1
   std::vector<int> sequences; ///< sequence of each, from 0; empty = one sequence
   std::string of = "pixels";  ///< kind of samples, see LabelCalibration
-  std::vector<std::vector<Eigen::MatrixXf>>
-      frames; ///< of each frame that they are of a
-              ///< featureHistogram() for each of
-              ///< the curves; empty = not known
+  std::vector<std::vector<Eigen::MatrixXf>> frames; ///< a featureHistogram() per frame
+                                                    ///< of the samples and per curve;
+                                                    ///< empty = unknown
 
-  /** \throws InvalidParameterException if sizes do not fit, a label is not one of the
-   * classes, or a weight or sequence is invalid */
+  /** \throws InvalidParameterException unless all lists have one entry per sample (or
+   * none, where empty is allowed), a label exceeds L, or a weight or sequence is
+   * invalid */
   void validate() const;
 };
 
@@ -63,7 +63,7 @@ struct CalibrationOptions {
  * log p'(ground truth). The problem is convex, so the solution is unique. Then \a
  * shrinkage is applied. Classes without ground truth are not fitted, and the sharpness
  * is at least 0. \a ground of the result is empty.
- * \throws InvalidParameterException if sizes do not fit
+ * \throws InvalidParameterException as CalibrationSamples::validate()
  * \throws BadInputException unless there are samples of at least two classes */
 LabelCalibration fitCalibration(const CalibrationSamples& samples,
                                 const CalibrationOptions& options);

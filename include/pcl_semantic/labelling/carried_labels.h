@@ -16,7 +16,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \param[in] camera with its image size
  * \param[in] seen result of seenPoints() with that camera
  * \return L x points
- * \throws InvalidParameterException if the sizes do not fit */
+ * \throws InvalidParameterException if \a image has not one column per pixel of the
+ * camera, or a seen point is outside the image */
 LabelDistributions carryLabels(const LabelDistributions& image,
                                const StereoCamera& camera,
                                const std::vector<SeenPoint>& seen);

@@ -34,7 +34,7 @@ struct ClassCurves {
  * remaining probability. fitCalibration() fits a calibration to ground truth. */
 struct LabelCalibration {
   std::string of;                  ///< "pixels" or "cliques"; empty = either
-  std::vector<bool> fitted;        ///< per class
+  std::vector<bool> fitted;        ///< per class: true if it was fitted
   std::vector<Label> ground;       ///< classes of the ground
   float sharpness = 1.0f;          ///< s
   Eigen::VectorXf bias;            ///< b, L
@@ -53,8 +53,8 @@ struct LabelCalibration {
    * kMinProbability. */
   static LabelCalibration identity(int classes);
 
-  /** \throws InvalidParameterException if sizes do not fit, or a value is not finite or
-   * beyond 1e6 */
+  /** \throws InvalidParameterException unless the bias has L values and each curve L x
+   * knots, or if a value is not finite or beyond 1e6 */
   void validate() const;
 };
 
@@ -63,7 +63,8 @@ struct LabelCalibration {
  * unknown.
  * \param[in] distributions L x points
  * \param[in] features one per column, or empty if all are unknown
- * \throws InvalidParameterException if sizes do not fit
+ * \throws InvalidParameterException unless the calibration is of L classes and \a
+ * features has one entry per column or none
  * \throws BadInputException at a negative or non-finite probability */
 LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
@@ -100,7 +101,8 @@ double domainShift(const LabelCalibration& calibration,
  * \param[in] label_set the classes that the file may name
  * \param[in] of required kind: "pixels" or "cliques". A file that states no kind is
  * accepted
- * \throws BadInputException with file and line */
+ * \throws BadInputException that names file and line, if the file is invalid or of
+ * another kind */
 LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set,
                                  const std::string& of = "pixels");
 

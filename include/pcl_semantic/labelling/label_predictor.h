@@ -19,7 +19,7 @@ public:
   /** \brief Checks before the first frame that all frames have labels, if the predictor
    * can check this without their images.
    * \param[in] frames their numbers
-   * \throws BadInputException that names the first frame without labels */
+   * \throws BadInputException that names the first frame without labels, if any */
   virtual void
   requireFrames(const std::vector<int>& /*frames*/) const
   {}
@@ -29,7 +29,8 @@ public:
    * \param[in] frame its number
    * \return L x (width * height), pixels row by row, normalised, all-zero columns =
    * unlabelled; or empty, for a frame without labels (yet)
-   * \throws BadInputException or BadModelException that names the frame */
+   * \throws BadInputException that names the frame, if its labels cannot be read
+   * \throws BadModelException that names the frame, if the network fails */
   virtual LabelDistributions predict(const cv::Mat& image, int frame) = 0;
 };
 

@@ -12,10 +12,10 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The classes of the output channels of a segmentation network. */
 struct ChannelClasses {
-  std::vector<Label>
-      labels;          ///< of each channel; kUnlabelled: its probability is dropped
-  int classes = 0;     ///< L, at least the largest of \a labels
-  bool softmax = true; ///< channels are logits; else non-negative probabilities
+  std::vector<Label> labels; ///< class of each channel; kUnlabelled: its probability is
+                             ///< dropped
+  int classes = 0;           ///< L, at least the largest of \a labels
+  bool softmax = true;       ///< channels are logits; else non-negative probabilities
 };
 
 /** \brief Converts the output of a network to class distributions of an image's pixels.

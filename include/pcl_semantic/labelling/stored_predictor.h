@@ -25,7 +25,7 @@ public:
   void requireFrames(const std::vector<int>& frames) const override;
 
   /** \throws BadInputException if the frame has no file, more than one, or a file that
-   * does not fit its image */
+   * has not one distribution per pixel of \a image */
   LabelDistributions predict(const cv::Mat& image, int frame) override;
 
 private:

@@ -25,7 +25,7 @@ struct VisibilityParameters {
   double absolute_margin = 0.5;  ///< nearer by more than this ... [m]
   double relative_margin = 0.05; ///< ... and by more than this fraction of the depth
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 

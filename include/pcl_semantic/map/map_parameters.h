@@ -23,8 +23,9 @@ enum class Clearing {
 
 /** \brief Parameters of occupancy, colour and label fusion. */
 struct FusionParameters {
-  double hit_probability = 0.7;      ///< of being occupied, given a hit
-  double miss_probability = 0.4;     ///< of being occupied, given a ray through it
+  double hit_probability = 0.7; ///< probability of being occupied, given a hit
+  double miss_probability =
+      0.4; ///< probability of being occupied, given a ray through it
   double min_probability = 0.03;     ///< lower clamp of occupancy
   double max_probability = 0.97;     ///< upper clamp of occupancy
   double occupied_probability = 0.5; ///< occupied at or above; one hit is enough
@@ -40,7 +41,7 @@ struct FusionParameters {
   double dynamic_decay = 0.0;
   double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
@@ -59,7 +60,7 @@ struct MapParameters {
    * axis, at most 204 x 204 x 24 m. */
   MapParameters withWindow() const;
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 

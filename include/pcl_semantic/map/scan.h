@@ -69,11 +69,11 @@ struct Scan {
 };
 
 struct ScanCounts {
-  std::size_t points = 0; ///< in the cloud
-  std::size_t rays = 0;   ///< cast
+  std::size_t points = 0; ///< points in the cloud
+  std::size_t rays = 0;   ///< rays that were cast
   /// Skipped: NaN, infinite, beyond the map's limits, or exactly 0 0 0 (isReturn()).
   std::size_t invalid = 0;
-  std::size_t sky = 0; ///< labelled as sky: skipped
+  std::size_t sky = 0; ///< points labelled as sky: skipped
   /// Stereo only: erased before the scan was cast, see eraseSeenThrough().
   std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point

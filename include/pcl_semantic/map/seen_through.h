@@ -28,8 +28,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \param[in] voxel_size edge of a voxel [m]
  * \param[in] fraction 0 to 1; 0 = nothing is erased
  * \return number of erased points; the result does not depend on the number of threads
- * \throws InvalidParameterException if the cloud does not fit the camera, or a
- * parameter is out of range
+ * \throws InvalidParameterException if the cloud is not of the camera's image size, or
+ * a parameter is out of range
  * \throws BadInputException as requireRigid() */
 std::size_t eraseSeenThrough(pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                              const StereoCamera& camera,

@@ -40,7 +40,7 @@ struct VoxelRecord {
   std::array<std::uint32_t, 3> colour_sum{}; ///< red, green, blue
   std::uint32_t colour_count = 0;            ///< pixels in the sums
   std::uint32_t observations = 0;            ///< scans that hit the voxel
-  std::uint32_t label_observations = 0;      ///< of these, with a label distribution
+  std::uint32_t label_observations = 0;      ///< of these scans, those with labels
   /// Mean position of the hits in the voxel, from its lower corner [2^-16 voxel].
   std::array<std::uint16_t, 3> position{kVoxelCentre, kVoxelCentre, kVoxelCentre};
 };
@@ -51,7 +51,8 @@ struct VoxelBlock {
   static constexpr std::int16_t kNoRecord = -1;
 
   std::array<StoredLogOdds, kBlockVoxels> log_odds;
-  std::vector<std::int16_t> record_of; ///< by offset; empty if there was no hit
+  std::vector<std::int16_t>
+      record_of; ///< row in \a records by offset; empty without hits
   std::vector<VoxelRecord> records;
   std::vector<float> measured; ///< L per row: fused log-probabilities, the largest is 0
   std::vector<float> refined;  ///< L per row: distribution of the CRF; all zero = none

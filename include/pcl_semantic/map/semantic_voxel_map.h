@@ -62,8 +62,8 @@ public:
    * empty if the distances are exact. A ray clears nothing within two deviations of its
    * end. A larger deviation gives the hit less weight. A point is skipped if its
    * deviation is NaN, negative, or 1e6 m or more
-   * \throws InvalidParameterException if the sizes do not fit the cloud, or the cloud
-   * has 2^31 points or more
+   * \throws InvalidParameterException unless \a distributions and \a deviations are of
+   * the sizes above, or if the cloud has 2^31 points or more
    * \throws BadInputException if the pose is not rigid or too far away, or a
    * probability is negative or not finite */
   template <typename PointT>
@@ -120,8 +120,8 @@ public:
    * \param[in] voxels as occupied() returned them
    * \param[in] refined L x voxels.size()
    * \param[in] as_measured also replaces the fused measurements by \a refined
-   * \throws InvalidParameterException if a size does not fit or a value is no
-   * probability */
+   * \throws InvalidParameterException unless \a refined is L x voxels.size(), or if a
+   * value is no probability */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined,
                   bool as_measured = false);
 

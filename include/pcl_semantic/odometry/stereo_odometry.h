@@ -55,7 +55,7 @@ public:
     int window = 8;               ///< keyframes in the adjustment
     int iterations = 4;           ///< maximum iterations of the adjustment
     int minimum_inliers = 12;     ///< a frame with fewer inliers is lost
-    int max_disparity = 0;        ///< of a new feature [px]; 0 = an eighth of the width
+    int max_disparity = 0;        ///< limit for new features [px]; 0 = width / 8
     double keyframe_flow = 0.015; ///< median feature displacement that makes a keyframe
                                   ///< [image widths]
     double pixel_noise = 0.15;    ///< standard deviation of a feature's position [px]

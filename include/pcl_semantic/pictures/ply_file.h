@@ -16,7 +16,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * (uchar) and label (uint).
  * \param[in] colours blue, green, red of each voxel
  * \throws InvalidParameterException unless there is one colour per voxel
- * \throws OutputException */
+ * \throws OutputException if the file cannot be written */
 void writePlyPoints(const std::string& path, const VoxelScene& scene,
                     const std::vector<cv::Vec3b>& colours);
 

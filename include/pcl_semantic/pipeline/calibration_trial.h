@@ -22,7 +22,8 @@ struct CalibrationFolders {
   std::string sequence;      ///< in KITTI's layout, with poses.txt
   std::string labels;        ///< stored label distributions, see StoredPredictor
   std::string truth;         ///< label images (000012.png), 0 = no ground truth
-  std::string calibration{}; ///< of the labels (readCalibration); empty = none
+  std::string calibration{}; ///< calibration of the labels (readCalibration()); empty =
+                             ///< none
   FrameRange frames{};       ///< frames to read, by number
 };
 
@@ -30,8 +31,8 @@ struct CalibrationFolders {
 class CalibrationSequence {
 public:
   /** \param[in] classes L, of labels and ground truth
-   * \throws BadInputException unless all inputs exist and fit: every frame needs labels
-   * and a pose, and at least one needs ground truth */
+   * \throws BadInputException unless all inputs exist, every frame has labels and a
+   * pose, and at least one has ground truth */
   CalibrationSequence(const CalibrationFolders& folders, int classes);
 
   /** \brief Last component of the sequence's path: "05". */

@@ -40,11 +40,11 @@ public:
 
   /** \brief Before the next frame: fuses finished labels.
    * \return whether labels were finished
-   * \throws exceptions of the predictor */
+   * \throws the exception of the predictor, if labelling a frame has failed */
   bool fuseReady();
 
   /** \brief At the end: waits for the current frame and fuses its labels.
-   * \throws exceptions of the predictor */
+   * \throws the exception of the predictor, if labelling a frame has failed */
   bool fuseLast();
 
   /** \brief Number of frames with labels in the map. */

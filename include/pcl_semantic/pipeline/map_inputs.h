@@ -18,19 +18,19 @@ struct MapInputs {
   /// Folder or pattern of clouds instead of the sequence, see CloudSequence.
   std::string clouds;
   std::string rgbd;         ///< folder of an RgbdSequence, instead of the sequence
-  double depth_scale = 0.0; ///< of the RGB-D sequence; 0 = default of its layout
+  double depth_scale = 0.0; ///< scale of RGB-D depths; 0 = default of the layout
   /// Sensor of the clouds: `own` (any), `camera` or `grey` (left camera of KITTI's
   /// colour or grey pair) or `laser` (KITTI's Tr). Empty = own, or camera with a
   /// calibration.
   std::string sensor;
-  std::string scan_columns; ///< of `.bin` clouds, see parseScanColumns()
+  std::string scan_columns; ///< columns of `.bin` clouds, see parseScanColumns()
   std::string labels;       ///< folder, see StoredPredictor
   std::string label_set;    ///< file of the classes (.yaml); empty = KITTI's 11 classes
   /// Mapping from the numbers in label files to labels; empty = the numbers are labels.
   std::string label_mapping;
   std::string network; ///< description (.yaml), instead of labels
   std::string model;   ///< network (.onnx); empty = from the description
-  std::string engine;  ///< see parseEngine()
+  std::string engine;  ///< engine of the network, see parseEngine()
   std::string label_calibration, clique_calibration; ///< see readCalibration()
   /// Source of the poses: a trajectory file; `sequence` (the sequence's trajectory);
   /// `odometry`; `viewpoint` (the viewpoint in each cloud's file); or `auto`.

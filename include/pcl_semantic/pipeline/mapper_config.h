@@ -18,7 +18,7 @@ struct MapperConfig {
   std::string stereo = "sgm";    ///< engine, one of disparityEngines()
   int disparities = 128;         ///< range of the stereo search [px]
   double max_deviation = 0.0;    ///< deviation limit of disparities [px]; 0 = none
-  double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
+  double deviation_scale = 0.0;  ///< factor on the deviations of depths; 0 = none
   double min_hit_ratio = 0.33;   ///< see eraseSeenThrough(); 0 = off
   double label_confidence = 0.8; ///< probability of the class in a stored `.png`
   int network_every = 1;         ///< uses the labels of every n-th frame
@@ -26,7 +26,8 @@ struct MapperConfig {
   CRFModelType crf = CRFModelType::dense; ///< unary: the CRF is not run
   int crf_every = 1;                      ///< runs the CRF at every n-th frame
   bool crf_write_back = false;     ///< uses the CRF's result as prior of later frames
-  std::string cliques = "cubes:1"; ///< of the last two models, see makeCliqueGenerator
+  std::string cliques = "cubes:1"; ///< method for the last two models, see
+                                   ///< makeCliqueGenerator()
   CliqueParameters clique_parameters;
   std::string clique_exclude = "none"; ///< classes with commas between: voxels
                                        ///< that probably are one join no clique
@@ -34,7 +35,7 @@ struct MapperConfig {
   int threads = 0; ///< 0 = all processors
 
   /** \brief Checks every value, and passes the voxel size on to the supervoxels.
-   * \throws InvalidParameterException */
+   * \throws InvalidParameterException that names the parameter and its range */
   void validate();
 };
 

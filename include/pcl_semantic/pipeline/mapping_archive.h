@@ -21,7 +21,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 class MappingArchive {
 public:
   struct Options {
-    std::string path;    ///< of the archive; empty = none
+    std::string path;    ///< path of the archive; empty = none
     int every = 10;      ///< frames per commit
     bool resume = false; ///< resume an existing run, or begin a new one
   };

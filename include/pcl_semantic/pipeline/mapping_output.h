@@ -17,11 +17,11 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Additional output of a run, for evaluation. */
 struct ExtraOptions {
-  bool images = true;         ///< of each frame, if it is from a camera
+  bool images = true;         ///< images of each frame, if it is from a camera
   bool centres = false;       ///< use voxel centres as points of the map
   bool measured = false;      ///< labels of the fused measurements, before the CRF
   bool depth = false;         ///< measured depth of the pixels
-  bool probabilities = false; ///< of the classes, for the labels in labels_at_depth
+  bool probabilities = false; ///< class probabilities for the labels in labels_at_depth
   /// Points of a frame's scan to label, in the frame of the sensor of the poses [m];
   /// null = no scans. May throw BadInputException.
   std::function<std::vector<Eigen::Vector3d>(int frame)> scan;
@@ -60,21 +60,21 @@ public:
 
   /** \brief Writes labels, labels_at_depth, network_labels and overlay of a frame, if
    * images are enabled.
-   * \throws OutputException */
+   * \throws OutputException if a file cannot be written */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 
   /** \brief Writes the current map around the sensor for viewers: `live`, a separate
    * map folder (map.pcd, label_set.yaml, trajectory.txt, and summary.json last) that
    * exists until finish(). Its points are centres if those of the final map will be.
    * Call it after writeFrame().
-   * \throws OutputException */
+   * \throws OutputException if a file cannot be written */
   void writeLive(const MappedFrame& mapped) const;
 
   /** \brief Writes map.pcd, map_classes.pcd, label_set.yaml, final_labels,
    * top_view.png, trajectory.txt, summary.json.
    * \param[in] is_whole false if an error has ended the run: the summary then marks it
    * as unfinished, and an earlier map stays in `previous`
-   * \throws OutputException */
+   * \throws OutputException if a file cannot be written */
   void finish(const SemanticVoxelMap& map, bool is_whole = true);
 
   /** \brief Median of domainShift() over the frames: their distance from the training

@@ -61,7 +61,9 @@ void openPoses(const std::string& trajectory, OpenedInputs& opened);
 
 /** \brief Opens the inputs of a map.
  * \param[in] config only network_every and label_confidence are used
- * \throws InvalidParameterException, BadInputException, BadModelException */
+ * \throws InvalidParameterException if inputs contradict each other or are out of range
+ * \throws BadInputException if a file cannot be read or is invalid
+ * \throws BadModelException if the network cannot be used */
 OpenedInputs openInputs(const MapInputs& inputs, const MapperConfig& config,
                         const InputOpeners& openers = {});
 

@@ -77,7 +77,7 @@ struct MappedFrame {
   /// Left image, colour image, or the colours of an organized cloud; empty without a
   /// camera.
   cv::Mat image;
-  DisparityImage disparity; ///< of a stereo pair; else empty
+  DisparityImage disparity; ///< disparities of a stereo pair; else empty
   /// Sensor frame [m]. If there is a camera, this is the camera frame, and the cloud is
   /// organized as its images.
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;
@@ -91,7 +91,7 @@ struct MappedFrame {
   /// domainShift() of the label calibration; NaN = unknown.
   double domain_shift = std::numeric_limits<double>::quiet_NaN();
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  ScanCounts counts; ///< of the scan added to the map
+  ScanCounts counts; ///< counts of the scan added to the map
   VoxelCloud voxels; ///< the occupied voxels of the window, after the CRF of this frame
   StageTimes times;
 };

@@ -29,7 +29,8 @@ eraseUnsure(DisparityImage& image, double max_deviation)
  * \param[in] disparity CV_32FC1 [px], 0 = none
  * \param[in] nearest disparity from which the colour is red [px]; positive
  * \return CV_8UC3 (BGR)
- * \throws InvalidParameterException if type or \a nearest do not fit */
+ * \throws InvalidParameterException for another type, or unless \a nearest is positive
+ */
 cv::Mat drawDisparity(const cv::Mat& disparity, double nearest = 128.0);
 
 /** \brief Estimates the disparity of every pixel of the left image of a rectified pair.
@@ -54,7 +55,7 @@ const std::vector<std::string>& disparityEngines();
  * \param[in] name one of disparityEngines()
  * \param[in] disparities largest disparity + 1 [px]; a multiple of 16 up to 1024, for
  * `sgm` of 64 up to 256
- * \throws InvalidParameterException */
+ * \throws InvalidParameterException for another name or number of disparities */
 std::unique_ptr<DisparityEstimator> makeDisparityEstimator(const std::string& name,
                                                            int disparities);
 

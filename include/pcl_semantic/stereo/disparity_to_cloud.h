@@ -20,8 +20,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \return organized cloud in the left camera's frame [m], one point per pixel; without
  * disparity x, y, z are NaN and the colour is kept
  * \throws InvalidParameterException as StereoCamera::validate()
- * \throws BadInputException if sizes or types do not fit, or for a negative or
- * non-finite disparity */
+ * \throws BadInputException if the sizes of the images and the camera differ, for
+ * another type, or for a negative or non-finite disparity */
 pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity,
                                                         const cv::Mat& image,
                                                         const StereoCamera& camera);
@@ -37,7 +37,7 @@ cv::Mat imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud);
  * \param[in] scale factor on the deviations
  * \return one per point; 0 without depth
  * \throws InvalidParameterException if the scale is negative or not finite
- * \throws BadInputException if the sizes or the type do not fit */
+ * \throws BadInputException unless the deviations are CV_32FC1 of the cloud's size */
 std::vector<float> distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                                       const StereoCamera& camera,
                                       const cv::Mat& disparity_deviation,

@@ -16,7 +16,7 @@ struct CliqueParameters {
   SuperpixelParameters superpixel;
   SupervoxelParameters supervoxel;
 
-  /** \throws InvalidParameterException */
+  /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 

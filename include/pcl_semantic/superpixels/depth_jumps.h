@@ -36,7 +36,7 @@ struct SurfaceParts {
  * are compared as neighbours if the gap lies in their segment.
  * \param[in] segments CV_32SC1
  * \param[in] cloud organized, of the same size, camera frame [m]
- * \throws BadInputException if the sizes or the type do not fit */
+ * \throws BadInputException if the sizes differ, or for another type */
 SurfaceParts splitAtDepthJumps(const cv::Mat& segments,
                                const CliqueGenerator::Cloud& cloud,
                                const DepthJumps& jumps);

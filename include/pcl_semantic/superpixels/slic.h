@@ -15,7 +15,7 @@ struct SlicParameters {
   int superpixels = 150;     ///< approximate number per image
   double compactness = 10.0; ///< m: larger makes squarer superpixels, smaller ones
                              ///< follow colours [grey levels per superpixel width]
-  int iterations = 7;        ///< of the clustering
+  int iterations = 7;        ///< iterations of the clustering
   int downscale = 2;         ///< factor by which width and height are reduced
 
   /** \throws InvalidParameterException that names the parameter and its range */
