@@ -44,7 +44,7 @@ struct FrameRecord {
   std::vector<std::pair<std::string, double>> seconds; ///< time of each stage [s]
   double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
   double timestamp = std::numeric_limits<double>::quiet_NaN();    ///< [s]; NaN: unknown
-  FrameDigest digest; ///< checksums of the frame's input
+  FrameDigest digest; ///< of the frame's input
 };
 
 /** \brief Encodes a record without loss. Older records end before \a domain_shift, \a
