@@ -75,9 +75,9 @@ manualPage(const Usage& usage, const po::options_description& options)
     page +=
         ".TP\n" + optionLine(*option) + "\n" + escaped(option->description()) + "\n";
   page += ".SH EXAMPLE\n.nf\n" + escaped(usage.example) + "\n.fi\n";
-  page += ".SH EXIT STATUS\n"
-          "0: done; 2: the command line is wrong; 3: an input is; 4: a network is; "
-          "5: an output could not be written; 6: out of memory; 130: interrupted.\n";
+  page += ".SH EXIT STATUS\n0: success; 2: wrong command line; 3: wrong input; 4: "
+          "wrong network; 5: an output could not be written; 6: out of memory; 130: "
+          "interrupted.\n";
   return page;
 }
 

@@ -62,13 +62,13 @@ parametersOf(SequenceFiles& files)
            &files.files.left},
           {"right", "right images, one for each left image", &files.files.right},
           {"calibration",
-           "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
-           "camchain, the left camera_info of ROS or sensor.yaml of EuRoC (.yaml, "
+           "calibration of --left and --right: OpenCV stereoCalibrate, Kalibr "
+           "camchain, ROS camera_info or EuRoC sensor.yaml of the left camera (.yaml, "
            ".yml), KITTI or Middlebury (.txt)",
            &files.files.calibration},
           {"extrinsics",
-           "file with R and T, if they are not in --calibration; of ROS and EuRoC that "
-           "of the right camera (.yaml)",
+           "file with R and T, if --calibration has none (.yaml); for ROS and EuRoC "
+           "the file of the right camera",
            &files.files.extrinsics},
           {"times", "time stamps of the images, one per line [s] (default: 10 Hz)",
            &files.files.times},
