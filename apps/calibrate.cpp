@@ -84,9 +84,9 @@ featuresOf(const std::string& names, bool of_cliques)
   std::vector<Feature> features;
   for (const std::string& name : splitAtCommas(names == "none" ? "" : names)) {
     const std::optional<Feature> feature = findFeature(name);
-    refuseIf(!feature, "--features: '" + name + "' is none");
+    refuseIf(!feature, "--features: '" + name + "' is no feature");
     refuseIf(!of_cliques && (feature == Feature::lowest || feature == Feature::extent),
-             "--features: '" + name + "' is not known of pixels");
+             "--features: '" + name + "' is only for cliques, with --clique-config");
     features.push_back(*feature);
   }
   return features;
@@ -250,7 +250,8 @@ calibrateSequences(const Arguments& options)
                                          label_set.size());
       warnOf(sequence.doubts());
       refuseIf(std::count(names.begin(), names.end(), sequence.name()),
-               "two sequences are called " + sequence.name());
+               "two sequences have the name " + sequence.name() +
+                   ", expected different names");
       names.push_back(sequence.name());
       samples.push_back(
           options.clique_config.empty()

@@ -266,9 +266,9 @@ group(const Arguments& arguments)
   for (const pcl::PointIndices& clique : read.cliques)
     members += clique.indices.size();
   if (members == 0 && !arguments.frame.path.empty() && !cloud.empty())
-    fail<BadInputException>(arguments.frame.path, ": sees no voxel of ",
+    fail<BadInputException>(arguments.frame.path, ": shows no voxel of ",
                             arguments.input,
-                            ": are --pose, --map-origin and --voxel-size its own?");
+                            "; do --pose, --map-origin and --voxel-size fit?");
   if (!arguments.coloured.empty()) {
     colourCliques(read.cliques, cloud);
     writeColourCloud(arguments.coloured, cloud, read.origin);

@@ -67,7 +67,7 @@ parse(int argc, char** argv)
                (arguments.colour || !arguments.label_mapping.empty()),
            "--colour and --label-mapping need --label-set");
   refuseIf(values.count("thin") > 0 && !(arguments.thin > 0.0),
-           "--thin is not more than 0");
+           "--thin is " + shown(arguments.thin) + ", expected more than 0");
   return arguments;
 }
 
@@ -213,8 +213,8 @@ private:
   {
     if (!arguments_.relabel.empty()) {
       if (cloud.distributions.classes() > 0) {
-        warn(arguments_.input + ": probabilities do not fit other labels: the "
-                                "output has none");
+        warn(arguments_.input + ": the output has no probabilities, because they do "
+                                "not fit the new labels");
         cloud.table.removeColumns("probability");
       }
       cloud.distributions = LabelDistributions();

@@ -93,7 +93,7 @@ refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
   std::string why = whyRemoved(name);
   for (const ConfigParameter& parameter : parameters)
     if (parameter.name == name)
-      why = "is no option, but a key of --config files";
+      why = "is no option, only a key of --config files";
   return why.empty() ? error.what() : option + ": " + why;
 }
 
@@ -218,7 +218,8 @@ optionsOf(const ConfigParameters& parameters)
     else if (auto* const number = std::get_if<double*>(&parameter.value))
       options.emplace_back(name, withDefault(**number), parameter.help);
     else
-      badParameter("parameter ", parameter.name, " is of no kind that inputs have");
+      badParameter("parameter ", parameter.name,
+                   " has a type that is not supported for inputs");
   }
   return options;
 }

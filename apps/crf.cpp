@@ -226,9 +226,8 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
   if (points == 0)
     return;
   if (without_preference == points)
-    warn(arguments.input +
-         ": no point has a label, or all classes are equally likely; there is "
-         "nothing to make consistent");
+    warn(arguments.input + ": no point has a label, or all classes are equally likely; "
+                           "the CRF has no effect");
   else if (changed == 0)
     warn("no label changed; larger --smoothness-weight and --appearance-weight "
          "change more");
@@ -239,11 +238,10 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
         (deviation < 0.5 * report.spacing || deviation > 50.0 * report.spacing)) {
       TextStream text;
       text << arguments.input << ": points lie " << report.spacing
-           << " apart (median of fourth neighbours), for which a deviation of "
-           << deviation << " is too "
-           << (deviation < report.spacing ? "small" : "large")
-           << "; is the cloud in metres? Without --smoothness-deviation and "
-              "--appearance-deviation they would be "
+           << " apart (median of fourth neighbours), so a deviation of " << deviation
+           << " is too " << (deviation < report.spacing ? "small" : "large")
+           << "; is the cloud in metres? The default of --smoothness-deviation and "
+              "--appearance-deviation is "
            << SemanticCRFParameters::automaticDeviation(report.spacing);
       return warn(text.str());
     }

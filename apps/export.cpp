@@ -155,8 +155,8 @@ groundOf(const std::string& list, const LabelSet& label_set)
                                       "'");
   }
   if (labels.empty())
-    fail<InvalidParameterException>("--ground: the label set has no usual class of the "
-                                    "ground; name those that are");
+    fail<InvalidParameterException>("the label set has none of the default ground "
+                                    "classes; name its ground classes with --ground");
   return labels;
 }
 
@@ -212,10 +212,11 @@ requireSize(const Arguments& arguments, const VoxelScene& scene)
     return;
   if (arguments.format == Format::grid)
     fail<BadInputException>(arguments.map,
-                            ": has no point: an image of no pixel cannot be written");
+                            ": has no point, expected one or more for a .pgm");
   if (arguments.format == Format::octree && !(scene.grid.size > 0.0))
-    fail<BadInputException>(arguments.map, ": has no point that shows the size of its "
-                                           "voxels; say it with --voxel-size");
+    fail<BadInputException>(
+        arguments.map,
+        ": has no point to derive the voxel size from; give --voxel-size");
   warn(arguments.map + ": no point is left");
 }
 

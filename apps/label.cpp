@@ -140,7 +140,7 @@ unreadOptions(const Arguments& arguments)
           {!arguments.network.empty() || !clouds,
            "with --network",
            {"label-confidence", "label-mapping", "label-set"}},
-          {true, "on labels, which go by the numbers of frames", {"times"}},
+          {true, "on labels, which belong to frame numbers", {"times"}},
           unreadOptionsOfLabels(arguments.labels)};
 }
 
@@ -474,7 +474,8 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
     images.push_back(fs::path(options.sequence.folder) / name);
   for (const fs::path& folder : images)
     refuseIf(fs::equivalent(folder, options.output, error),
-             "--output " + options.output + ": holds images");
+             "--output " + options.output +
+                 ": holds images, expected a folder without images");
   if (!fs::is_directory(options.output, error))
     return;
   for (const FrameFile& file : listFrameFiles(options.output, {".bin", ".npy", ".png"}))

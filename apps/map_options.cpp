@@ -51,9 +51,9 @@ const Usage live_usage{
   --output DIR (--labels DIR | --network FILE.yaml) [options])",
     R"(Maps live frames until Ctrl-C, then finishes and writes the map. SEQUENCE is a folder
 that another program fills. --left and --right are cameras (0, /dev/video0), streams
-(rtsp://...) or videos. One camera
-with both images side by side is given twice. Maps the newest pair and drops earlier ones. Labels are fused when they are ready. No
-images of the frames are written.)",
+(rtsp://...) or videos; one camera with both images side by side is given as both. Maps
+the newest pair and drops earlier ones. Labels are fused when they are ready. No images
+of the frames are written.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   timeout --preserve-status -s INT 10 \
     pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",
@@ -166,10 +166,9 @@ void
 requireLive(const MapOptions& options)
 {
   refuseIf(!options.inputs.sequence.files.times.empty(), "--times needs --every-frame");
-  refuseIf(options.config.network_every != 1,
-           "--network-every is for maps of all frames");
+  refuseIf(options.config.network_every != 1, "--network-every needs --every-frame");
   refuseIf(options.inputs.poses == "sequence",
-           "--poses sequence: frames come without a file of poses");
+           "--poses sequence is for recorded sequences: live frames have no poses.txt");
 }
 
 void
@@ -180,7 +179,7 @@ requireArchive(const MapOptions& options)
            "--resume needs --archive");
   refuseIf(archive.every < 1, "--archive-every is less than 1");
   refuseIf(!archive.path.empty() && isOutput(archive.path, options.outputs.folder),
-           "--archive is where --output puts its own files");
+           "--archive is a path that --output writes; choose another path");
   if (options.submap_every.empty())
     return;
   asUsage([&] { parseSubmapLength(options.submap_every, options.inputs); });
@@ -196,7 +195,7 @@ requireOutput(const MapOptions& options)
   refuseIf(output.empty(), "--output is missing");
   for (const auto& [name, path] : inputs.sequence.inputs())
     refuseIf(name != "sequence" && isOutput(path, output),
-             "--" + name + " is where --output puts its own files");
+             "--" + name + " is a path that --output writes; choose another --output");
   std::error_code error;
   const auto isSame = [&](const std::string& input, const std::string& written) {
     return std::filesystem::equivalent(input, output + written, error);
@@ -206,10 +205,11 @@ requireOutput(const MapOptions& options)
            "--output holds images of frames; maps need a folder of their own");
   refuseIf(std::filesystem::exists(output + "/calib.txt", error),
            "--output holds a sequence (calib.txt); maps need a folder of their own");
-  refuseIf(isSame(inputs.labels, "/labels"),
-           "--labels is where --output puts its own labels");
+  refuseIf(
+      isSame(inputs.labels, "/labels"),
+      "--labels is the folder of labels that --output writes; choose another --output");
   refuseIf(!inputs.clouds.empty() && isSame(inputs.poses, "/trajectory.txt"),
-           "--poses is where --output puts its own trajectory");
+           "--poses is the trajectory that --output writes; choose another --output");
   refuseIf(!inputs.clouds.empty() && isSame(inputs.clouds, ""),
            "--output holds the clouds; maps need a folder of their own");
 }

@@ -151,7 +151,8 @@ track(const Options& options)
 {
   for (const std::string& path : {options.output, options.report})
     refuseIf(std::filesystem::path(path).extension() == ".png",
-             path + ": is a name for an image");
+             path +
+                 ": is the name of an image, expected that of a trajectory or table");
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // reports wrong options first
   const std::unique_ptr<FrameSequence> opened = openSequenceOf(options.sequence);

@@ -64,7 +64,7 @@ parse(int argc, char** argv)
             "number of threads; 0 = all processors"}}),
       {"map", "output"});
   tool::refuseIf(!arguments.compare.empty() && !values["colour"].defaulted(),
-                 "--compare has colours of its own, --colour is for one map");
+                 "--colour has no effect with --compare, which has its own colours");
   tool::readRenderOptions(values, arguments.picture);
   validate(arguments);
   return arguments;

@@ -118,7 +118,7 @@ requireKindsOfFiles(const Options& options)
            "LEFT and RIGHT have to be two images, or two folders");
   for (const std::string& path : {options.left, options.right})
     if (!isThere(path))
-      fail<BadInputException>(path, ": is not there");
+      fail<BadInputException>(path, ": does not exist");
   if (!folders) {
     requireOutput(options.output, ".pcd");
     requireOutput(options.disparity, ".png");

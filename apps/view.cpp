@@ -113,7 +113,8 @@ parse(int argc, char** argv)
                         {arguments.screenshot});
   if (!arguments.colour.empty())
     tool::requireColour(arguments.colour);
-  tool::refuseIf(std::isnan(arguments.state.below), "--below is no number");
+  tool::refuseIf(std::isnan(arguments.state.below),
+                 "--below is not a number, expected a height [m]");
   arguments.hide = tool::splitAtCommas(hide);
   arguments.keys = tool::splitAtCommas(keys);
   tool::readRenderOptions(values, arguments.picture);
@@ -206,8 +207,7 @@ openMap(const Arguments& arguments)
     opened.state.colouring = tool::colouringOf(opened.map, arguments.colour);
   if (!arguments.images.empty()) {
     if (opened.map.path.empty())
-      badParameter(
-          "--images: where the camera was is not known; name its --trajectory");
+      badParameter("--images needs the poses of the camera; give --trajectory");
     opened.map.pictures = tool::imagesOf(arguments.images, opened.map.path,
                                          arguments.follow ? 1 : kMaxImages);
     opened.state.pictures = true;

@@ -128,7 +128,7 @@ colouringOf(const ViewedMap& map, const std::string& name)
       return i;
     known += (i == 0 ? "" : ", ") + map.colourings[i].name;
   }
-  badParameter(map.title, ": has nothing for --colour ", name, ", only for ", known);
+  badParameter(map.title, ": has no colours for --colour ", name, ", expected ", known);
 }
 
 std::vector<ViewedImage>

@@ -24,13 +24,13 @@ void
 SequenceFiles::validate() const
 {
   if (!hasFiles() && folder.empty())
-    badParameter("the SEQUENCE is missing, or --left, --right and --calibration");
+    badParameter("expected a SEQUENCE, or --left, --right and --calibration");
   if (!hasFiles())
     return;
   for (const auto& [input, value] : inputs())
     if (input != "sequence" && !folder.empty())
-      badParameter("both a SEQUENCE ('", folder, "') and --", input,
-                   "; patterns need quotes");
+      badParameter("got both a SEQUENCE ('", folder, "') and --", input,
+                   ", expected one of them; patterns need quotes");
   for (const auto& [input, value] :
        {std::pair("left", &files.left), std::pair("right", &files.right),
         std::pair("calibration", &files.calibration)})
@@ -86,8 +86,9 @@ openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
   if (are_videos && open_videos)
     return open_videos(files.files);
   if (are_videos)
-    badParameter(files.files.left,
-                 ": is a video, which pcl_semantic_live --every-frame maps");
+    badParameter(
+        files.files.left,
+        ": is a video, expected images; pcl_semantic_live --every-frame maps videos");
   if (!files.hasFiles())
     return std::make_unique<KittiSequence>(files.folder);
   auto pairs = std::make_unique<ImagePairSequence>(files.files);

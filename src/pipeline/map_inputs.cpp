@@ -54,8 +54,9 @@ requireClouds(const MapInputs& inputs)
                !sequence.files.right.empty() || sequence.strict,
            "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
   requireTrajectory(inputs, "--clouds");
-  refuseIf(inputs.poses == "viewpoint" && sensor != "own",
-           "--poses viewpoint is for --sensor own, whose own poses the clouds bring");
+  refuseIf(
+      inputs.poses == "viewpoint" && sensor != "own",
+      "--poses viewpoint is for --sensor own: a VIEWPOINT is the pose of the sensor");
   refuseIf(sensor != "own" && sensor != "camera" && sensor != "grey" &&
                sensor != "laser",
            "--sensor is '" + sensor + "', expected own, camera, grey or laser");
@@ -90,10 +91,11 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
         "scan-within"}},
       {!inputs.clouds.empty(), "with --clouds", of_pairs},
       {!inputs.clouds.empty(),
-       "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
+       "with --clouds, which hold their labels (pcl_semantic_label adds labels to "
+       "clouds)",
        {"labels", "network", "model", "engine", "network-every"}},
       {!inputs.hasCamera(),
-       "with --clouds of no camera, which have no images",
+       "with --clouds that are not of a camera",
        {"map-only", "min-hit-ratio", "label-calibration"}},
       {inputs.rgbd.empty(), "without --rgbd", {"depth-scale"}},
       {inputs.clouds.empty() && !inputs.reads_scans,

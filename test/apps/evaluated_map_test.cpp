@@ -295,7 +295,7 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   std::filesystem::create_directories(previous);
   std::ofstream(previous + "/map.pcd") << "mine";
   expectFails(mapOf(street_copy) + " " + options, 5,
-              "previous: is not what an earlier run has set aside");
+              "previous: is not of an earlier run");
   EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
   std::filesystem::remove_all(previous);
   std::filesystem::create_directories(folder_->path("elsewhere"));
