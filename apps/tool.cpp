@@ -161,7 +161,7 @@ warnOfOtherFiles(const std::string& folder, const std::vector<std::string>& writ
   if (others > 0)
     warn(folder + ": holds " + std::to_string(others) + " other " +
          extensions.begin()->string() + " file" + (others > 1 ? "s" : "") +
-         ", which are kept; are they of an earlier run?");
+         ", which this run keeps; of an earlier run?");
 }
 
 bool

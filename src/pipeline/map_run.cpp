@@ -312,9 +312,9 @@ MapRun::run()
   is_empty_ = records.empty();
   const std::string change = changeSince(records);
   if (!change.empty())
-    badInput(
-        outputs_.archive.path, ": ", change,
-        " differs from the archived run; restore the old data, or use another archive");
+    badInput(outputs_.archive.path, ": ", change,
+             " changed since the archived run; restore the old data, or use another "
+             "archive");
   inputs_.source->seek(frames_before_);
   makeMapper(archive.store());
   std::optional<MappingOutput> output;

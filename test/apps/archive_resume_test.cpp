@@ -279,11 +279,11 @@ TEST_F(ArchivedRun, OtherDataBehindTheSamePathsIsRefused)
              fs::copy_options::overwrite_existing);
   };
   isRefused("/image_3/000000.png", "/image_3/000001.png",
-            "run.map: frame 0 differs from the archived run");
+            "run.map: frame 0 changed since the archived run");
   isRefused("/image_2/000005.png", "/image_2/000001.png",
-            "run.map: frame 5 differs from the archived run");
+            "run.map: frame 5 changed since the archived run");
   isRefused("/labels/000010.bin", "/labels/000003.bin",
-            "run.map: holds labels of frame 10 as it was");
+            "run.map: labels of frame 10 changed since");
   succeed(mapCommand(output, archive, "--resume", street));
 }
 

@@ -301,7 +301,7 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   std::filesystem::create_directories(folder_->path("elsewhere"));
   std::ofstream(folder_->path("elsewhere/map.pcd")) << "mine";
   std::filesystem::create_directory_symlink(folder_->path("elsewhere"), previous);
-  expectFails(mapOf(street_copy) + " " + options, 5, "has set aside");
+  expectFails(mapOf(street_copy) + " " + options, 5, "is not of an earlier run");
   EXPECT_EQ(bytesOf(folder_->path("elsewhere/map.pcd")), "mine");
 }
 

@@ -21,7 +21,7 @@ TEST(MapToolOptions, OldNamesAreRefused)
 {
   const ToolResult renamed = runTool("map --hit-share 0.2 --print-config");
   EXPECT_EQ(renamed.code, 2);
-  EXPECT_TRUE(holds(renamed.text, "--hit-share: is min_hit_ratio now"));
+  EXPECT_TRUE(holds(renamed.text, "--hit-share: was renamed to min_hit_ratio"));
   const ToolResult removed = runTool("map --crf-tolerance=0.1 --print-config");
   EXPECT_EQ(removed.code, 2);
   EXPECT_TRUE(holds(removed.text, "--crf-tolerance: was removed, it had no effect"));

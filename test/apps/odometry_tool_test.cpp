@@ -150,7 +150,7 @@ TEST(BadUsage, OdometryTool)
 {
   const std::string poses = " STREET/poses.txt ";
   expectAllFail({
-      {"no sequence", 2, "SEQUENCE is missing", "odometry"},
+      {"no sequence", 2, "expected a SEQUENCE, or --left", "odometry"},
       {"no output", 2, "OUT.txt is missing", "odometry STREET"},
       {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
       {"features", 2, "features is 1", "odometry STREET OUT --features 1"},

@@ -105,7 +105,8 @@ TEST(StereoTool, FilesOfAnEarlierRunAreTold)
   EXPECT_FALSE(holds(runTool(run).text, "other"));
   EXPECT_FALSE(holds(runTool(run).text, "other"));
   folder.write("000007.pcd", "");
-  EXPECT_TRUE(holds(runTool(run).text, "holds 1 other .pcd file, which stay"));
+  EXPECT_TRUE(
+      holds(runTool(run).text, "holds 1 other .pcd file, which this run keeps"));
   std::filesystem::create_directories(folder.path("street/image_2"));
   folder.write("street/image_2/000003.png", "");
   expectFails("synthesize --size 208x64 --frames 3 " + folder.path("street"), 2,

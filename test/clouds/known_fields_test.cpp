@@ -106,7 +106,7 @@ TEST(KnownFields, DoubtsLabelsThatItDoesNotUnderstand)
   for (const Case& each : std::vector<Case>{
            {{"gt_label", "uchar"},
             "2",
-            "field 'gt_label' is not read as labels; unders"},
+            "field 'gt_label' is not read as labels; expected"},
            {{"class", "float"}, "0.5", "field 'class' is not read as labels: they are"},
            {{"classification", "ushort"}, "300", "not all are 0 to 255"}})
     inBothFormats({each.field}, each.value, "1", [&](const LabelledCloud& cloud) {

@@ -210,7 +210,7 @@ TEST(TumTrajectory, NamesTheLineOfWhatCannotBeUsed)
         std::pair("2 0 0 1,5 0 0 0 1\n", "line 2: '1,5'"),
         std::pair("2 0 0 0 0 0 0 1.1\n", "line 2: the quaternion"),
         std::pair("2 0 0 0 0 0 0 0\n", "line 2: the quaternion"),
-        std::pair("1 0 0 0 0 0 0 1\n", "line 2: its time")})
+        std::pair("1 0 0 0 0 0 0 1\n", "line 2: time is not later")})
     EXPECT_TRUE(refusesTum(good + text, part));
   EXPECT_TRUE(refusesTum("# nothing\n", "holds no pose"));
 }

@@ -53,7 +53,7 @@ TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
 TEST(MapperConfig, OldKeysAreRefused)
 {
   EXPECT_TRUE(holds(complaintAbout("voxel_size: 0.2\nhit_share: 0.2\n"),
-                    "line 2: hit_share: is min_hit_ratio now"));
+                    "line 2: hit_share: was renamed to min_hit_ratio"));
   EXPECT_TRUE(holds(complaintAbout("crf_tolerance: 0\n"),
                     "line 1: crf_tolerance: was removed, it had no effect"));
   EXPECT_EQ(whyRemoved("voxel_size"), "");
