@@ -29,15 +29,15 @@ const Usage usage{
     "pcl_semantic_archive",
     "info FILE | verify FILE |\n  export FILE OUT.pcd [--box ...] [--class "
     "NAME]... |\n  merge FILE FILE... OUT | changes BEFORE AFTER OUT.pcd",
-    R"(Looks into the map archives of pcl_semantic_map --archive.
-  info    what is in it
-  verify  reads all of it and compares every checksum: prints 'ok' or what is wrong
-  export  its occupied voxels, as map.pcd holds them; x y z are relative to the
+    R"(Inspects, exports and merges the map archives of pcl_semantic_map --archive.
+  info    prints the contents of an archive
+  verify  reads the whole archive and compares every checksum: prints 'ok' or the faults
+  export  writes the occupied voxels as a cloud like map.pcd; x y z are relative to the
           origin that info prints
-  merge   joins maps of the same frame of reference, or those that --poses moves to
-          it, into a new archive OUT
-  changes voxels that one map has seen occupied and the other free: red where they
-          went, green where they came)",
+  merge   joins maps in one frame of reference into a new archive OUT; --poses moves
+          maps to that frame
+  changes writes the voxels that are occupied in one map and free in the other: red if
+          they disappeared, green if they appeared)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street.map && \
@@ -216,19 +216,19 @@ Arguments
 parse(int argc, char** argv)
 {
   Arguments arguments;
-  parseCommandLine(
-      argc, argv, usage,
-      {{"command", arguments.command, "info, verify, export, merge or changes"},
-       {"files", arguments.files, "archives, and what is written last"},
-       {"box", arguments.box,
-        "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
-       {"class", arguments.classes,
-        "of export: only voxels of this class; may be given several times"},
-       {"poses", arguments.poses,
-        "of merge and changes: corrected trajectory (KITTI or TUM) that moves the "
-        "maps, each rigidly with the middle one of its frames; once for all, or one "
-        "for each FILE"}},
-      {"command", "files..."});
+  parseCommandLine(argc, argv, usage,
+                   {{"command", arguments.command,
+                     "command: info, verify, export, merge or changes"},
+                    {"files", arguments.files, "input archives, then the output file"},
+                    {"box", arguments.box,
+                     "box of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
+                    {"class", arguments.classes,
+                     "class of the exported voxels; may be given several times"},
+                    {"poses", arguments.poses,
+                     "corrected trajectory (KITTI or TUM) for merge and changes; moves "
+                     "each map rigidly with the pose of its middle frame; one for all "
+                     "maps, or one for each FILE"}},
+                   {"command", "files..."});
   return arguments;
 }
 

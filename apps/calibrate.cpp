@@ -27,19 +27,19 @@ using namespace pcl_semantic::tool;
 const Usage usage{
     "pcl_semantic_calibrate",
     "SEQUENCE... --labels DIR --truth DIR --output DIR [options]",
-    R"(Learns from sequences with ground truth what a network's probabilities are
-worth, given where a point is and how it looks. Writes calibration.yaml for
-pcl_semantic_map --label-calibration; for each sequence without_NAME.yaml,
-learned from the others alone; and report.md.)",
+    R"(Learns a calibration of a network's probabilities from sequences with ground truth,
+by position and appearance of the points. Writes calibration.yaml for
+pcl_semantic_map --label-calibration, without_NAME.yaml for each sequence, learned
+only from the others, and report.md.)",
     R"(pcl_semantic_synthesize /tmp/one && pcl_semantic_synthesize /tmp/two --seed 2 && \
   pcl_semantic_calibrate /tmp/one /tmp/two --labels '{sequence}/labels' \
     --truth '{sequence}/gt' --output /tmp/calibrated)",
-    {{"labels DIR", "label distributions; {sequence} and {name} stand for each"},
-     {"truth DIR", "ground truth images, likewise"},
+    {{"labels DIR", "label distributions; {sequence} = path, {name} = its last part"},
+     {"truth DIR", "ground truth images; {sequence} and {name} as above"},
      {"output DIR", "folder of the calibrations and the report"},
      {"label-set FILE", "classes (default: label_sets/kitti11.yaml)"},
-     {"clique-config FILE", "learn what cliques are worth instead"},
-     {"features WORDS", "what curves are over"},
+     {"clique-config FILE", "learn a calibration of cliques instead of labels"},
+     {"features WORDS", "features with a curve, or none"},
      {"frames A:B", "frames with numbers A <= n < B"}}};
 
 struct Arguments {
@@ -84,9 +84,9 @@ featuresOf(const std::string& names, bool of_cliques)
   std::vector<Feature> features;
   for (const std::string& name : splitAtCommas(names == "none" ? "" : names)) {
     const std::optional<Feature> feature = findFeature(name);
-    refuseIf(!feature, "--features: '" + name + "' is none");
+    refuseIf(!feature, "--features: '" + name + "' is no feature");
     refuseIf(!of_cliques && (feature == Feature::lowest || feature == Feature::extent),
-             "--features: '" + name + "' is not known of pixels");
+             "--features: '" + name + "' is only for cliques, with --clique-config");
     features.push_back(*feature);
   }
   return features;
@@ -142,36 +142,39 @@ parse(int argc, char** argv)
       {{"sequences", required(options.sequences),
         "folders in KITTI's odometry layout, with poses.txt"},
        {"labels", required(options.labels),
-        "folder of each sequence's label distributions; {sequence} stands for its "
-        "path, {name} for the last part of it"},
+        "folder of the label distributions of each sequence; {sequence} = path of the "
+        "sequence, {name} = last part of the path"},
        {"truth", required(options.truth),
-        "folder of each sequence's ground truth images, likewise"},
-       {"output,o", required(options.output), "folder to write to"},
+        "folder of the ground truth images of each sequence; {sequence} and {name} as "
+        "in --labels"},
+       {"output,o", required(options.output), "output folder"},
        {"label-set", options.label_set, "classes (default: label_sets/kitti11.yaml)"},
        {"clique-config", options.clique_config,
-        "learns what cliques are worth instead, of maps with this configuration of "
-        "pcl_semantic_map (.yaml, options override it): for its --clique-calibration"},
+        "configuration of pcl_semantic_map (.yaml, options override it): learn a "
+        "calibration of the cliques in its maps, for --clique-calibration, instead of "
+        "one of labels"},
        {"label-calibration", options.label_calibration,
-        "of the labels in these maps; {sequence} and {name} as above"},
+        "label calibration of the maps with --clique-config (.yaml); {sequence} and "
+        "{name} as in --labels"},
        {"features", options.features,
-        "what curves are over: none, or some of "
-        "height,distance,level,side,brightness,red,green, of cliques also "
-        "lowest,extent (default: " +
-            namesOf(pixelFeatures()) + "; of cliques " + namesOf(cliqueFeatures()) +
+        "features with a curve, separated by commas, or none: height, distance, level, "
+        "side, brightness, red, green; for cliques also lowest, extent (default: " +
+            namesOf(pixelFeatures()) + "; for cliques " + namesOf(cliqueFeatures()) +
             ")"},
        {"ground", withDefault(options.ground),
-        "classes that the ground is made of, or none"},
+        "ground classes, separated by commas, or none"},
        {"frames", withDefault(options.frames),
-        "A:B, frames numbered A <= n < B, of each sequence"},
+        "A:B = frames of each sequence with numbers A <= n < B; : = all"},
        {"balance", withDefault(options.fit.balance),
-        "in a sequence, 0 = every pixel counts alike, 1 = every class"},
+        "weighting within a sequence: 0 = equal weight of all pixels, 1 = equal weight "
+        "of all classes"},
        {"shrinkage", withDefault(options.fit.shrinkage),
-        "what is taken off biases and curves afterwards, 0 to 1, as another street is "
-        "only in part like these"},
+        "fraction subtracted from biases and curves after the fit, 0 to 1, because a "
+        "new street resembles these sequences only partly"},
        {"bias-penalty", withDefault(options.fit.bias_penalty),
-        "on the square of a class's bias"},
+        "penalty weight of the squared bias of a class"},
        {"curve-penalty", withDefault(options.fit.curve_penalty),
-        "on the squares of the curves' values"}},
+        "penalty weight of the squared values of the curves"}},
       {"sequences..."}, parametersWithoutMap(options.config));
   readCliqueConfig(values, options);
   setFeatures(options);
@@ -247,7 +250,8 @@ calibrateSequences(const Arguments& options)
                                          label_set.size());
       warnOf(sequence.doubts());
       refuseIf(std::count(names.begin(), names.end(), sequence.name()),
-               "two sequences are called " + sequence.name());
+               "two sequences have the name " + sequence.name() +
+                   ", expected different names");
       names.push_back(sequence.name());
       samples.push_back(
           options.clique_config.empty()

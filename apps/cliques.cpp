@@ -35,7 +35,7 @@ const Usage usage{
     "IN.pcd OUT.pcd --method METHOD [options]",
     R"(Groups the points of a cloud that are likely to have one label. OUT.pcd is IN.pcd
 with the field clique (0 = none), which pcl_semantic_crf --cliques field takes.
-Methods: cubes[:SIZE], supervoxel[:SEEDS' DISTANCE], superpixel[:NUMBER] (of a
+Methods: cubes[:SIZE], supervoxel[:SEED_DISTANCE], superpixel[:NUMBER] (of a
 frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
@@ -48,11 +48,11 @@ frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
   pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \
     --cliques field)",
     {{"method METHOD", "cubes, supervoxel, superpixel or slic"},
-     {"frame FILE", "of superpixel: organized cloud in the camera frame"},
-     {"pose POSE", "its pose: FILE:ROW, or x y z qx qy qz qw"},
-     {"coloured FILE", "also write a cloud with one colour a clique"},
+     {"frame FILE", "organized cloud in the camera frame, for superpixel"},
+     {"pose POSE", "pose of the frame: FILE:ROW, or x y z qx qy qz qw"},
+     {"coloured FILE", "output cloud with one colour per clique"},
      {"voxel-size 0.1", "voxel size of the map [m]"},
-     {"map-origin X,Y,Z", "map_origin of its summary.json"}}};
+     {"map-origin X,Y,Z", "map_origin in summary.json of the map [m]"}}};
 
 // The frame whose superpixels are transferred to a map.
 struct CliqueFrame {
@@ -94,23 +94,26 @@ parse(int argc, char** argv)
   CliqueFrame& frame = arguments.frame;
   ConfigParameters parameters = {
       {"voxel_size", "voxel size of the map [m]", &frame.voxel_size},
-      {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
+      {"map_origin", "map_origin X,Y,Z in summary.json of the map [m]",
        &frame.map_origin}};
   for (ConfigParameter& parameter : parametersOf(arguments.parameters))
     parameters.push_back(std::move(parameter));
-  parameters.push_back({"threads", "0 = all processors", &arguments.threads});
+  parameters.push_back(
+      {"threads", "number of threads; 0 = all processors", &arguments.threads});
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
-      {{"input", arguments.input, "the cloud"},
+      {{"input", arguments.input, "input cloud"},
        {"output", arguments.output, "output cloud (.pcd)"},
-       {"method", arguments.method, "see above"},
+       {"method", arguments.method,
+        "method: cubes[:SIZE], superpixel[:NUMBER], slic[:NUMBER] or "
+        "supervoxel[:SEED_DISTANCE]"},
        {"frame", frame.path,
         "organized cloud in the camera frame (.pcd), see pcl_semantic_stereo"},
        {"pose", frame.pose,
         "pose of the frame: 'x y z qx qy qz qw' in the world, or FILE:N = row N of a "
         "KITTI trajectory (default: VIEWPOINT of --frame)"},
        {"calibration", frame.calibration,
-        "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2"},
+        "KITTI's calib.txt, if --pose is of camera 0 and --frame of camera 2"},
        {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
        {"coloured", arguments.coloured,
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
@@ -263,9 +266,9 @@ group(const Arguments& arguments)
   for (const pcl::PointIndices& clique : read.cliques)
     members += clique.indices.size();
   if (members == 0 && !arguments.frame.path.empty() && !cloud.empty())
-    fail<BadInputException>(arguments.frame.path, ": sees no voxel of ",
+    fail<BadInputException>(arguments.frame.path, ": shows no voxel of ",
                             arguments.input,
-                            ": are --pose, --map-origin and --voxel-size its own?");
+                            "; do --pose, --map-origin and --voxel-size fit?");
   if (!arguments.coloured.empty()) {
     colourCliques(read.cliques, cloud);
     writeColourCloud(arguments.coloured, cloud, read.origin);

@@ -44,21 +44,22 @@ parse(int argc, char** argv)
   Arguments arguments;
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
-      {{"input", arguments.input, "labelled cloud"},
+      {{"input", arguments.input, "input cloud with labels"},
        {"output", arguments.output, "output cloud (.pcd)"},
        {"label-set", arguments.label_set,
-        "classes (YAML), for names of classes and for colours"},
+        "label set (.yaml), for class names and colours"},
        {"label-mapping", arguments.label_mapping, kLabelMappingHelp},
        {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
        {"crop", arguments.crop, "keep the points in a box x0,y0,z0,x1,y1,z1 [m]"},
        {"keep", arguments.keep,
-        "keep the points of these classes: names (also unlabelled) or numbers with "
-        "commas between"},
-       {"drop", arguments.drop, "drop the points of these classes"},
-       {"relabel", arguments.relabel, "other labels for classes: fence=pole,7=0"},
+        "keep the points of these classes: names (or unlabelled) or numbers, separated "
+        "by commas"},
+       {"drop", arguments.drop, "drop the points of these classes, as in --keep"},
+       {"relabel", arguments.relabel,
+        "new labels of classes, OLD=NEW, separated by commas: fence=pole,7=0"},
        {"thin", arguments.thin,
-        "keep one point a voxel of this size [m], with the mean of its points' "
-        "probabilities or their most frequent label"},
+        "voxel size of thinning [m]: one point per voxel, with the mean probabilities "
+        "or the most frequent label of its points"},
        {"colour", arguments.colour, "write the colours of the classes as rgba"}},
       {"input", "output"});
   refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
@@ -66,7 +67,7 @@ parse(int argc, char** argv)
                (arguments.colour || !arguments.label_mapping.empty()),
            "--colour and --label-mapping need --label-set");
   refuseIf(values.count("thin") > 0 && !(arguments.thin > 0.0),
-           "--thin is not more than 0");
+           "--thin is " + shown(arguments.thin) + ", expected more than 0");
   return arguments;
 }
 
@@ -212,8 +213,8 @@ private:
   {
     if (!arguments_.relabel.empty()) {
       if (cloud.distributions.classes() > 0) {
-        warn(arguments_.input + ": probabilities do not fit other labels: the "
-                                "output has none");
+        warn(arguments_.input + ": the output has no probabilities, because they do "
+                                "not fit the new labels");
         cloud.table.removeColumns("probability");
       }
       cloud.distributions = LabelDistributions();

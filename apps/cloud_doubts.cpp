@@ -32,7 +32,7 @@ warnOfNoReturns(const std::string& path, std::size_t count)
 {
   if (count > 0)
     warn(path + ": " + std::to_string(count) +
-         " points at exactly 0 0 0 are taken for no return and passed over");
+         " points at exactly 0 0 0 count as no return and are ignored");
 }
 
 void

@@ -75,9 +75,9 @@ manualPage(const Usage& usage, const po::options_description& options)
     page +=
         ".TP\n" + optionLine(*option) + "\n" + escaped(option->description()) + "\n";
   page += ".SH EXAMPLE\n.nf\n" + escaped(usage.example) + "\n.fi\n";
-  page += ".SH EXIT STATUS\n"
-          "0: done; 2: the command line is wrong; 3: an input is; 4: a network is; "
-          "5: an output could not be written; 6: out of memory; 130: interrupted.\n";
+  page += ".SH EXIT STATUS\n0: success; 2: wrong command line; 3: wrong input; 4: "
+          "wrong network; 5: an output could not be written; 6: out of memory; 130: "
+          "interrupted.\n";
   return page;
 }
 
@@ -93,7 +93,7 @@ refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
   std::string why = whyRemoved(name);
   for (const ConfigParameter& parameter : parameters)
     if (parameter.name == name)
-      why = "is no option, but a key of --config files";
+      why = "is no option, only a key of --config files";
   return why.empty() ? error.what() : option + ": " + why;
 }
 
@@ -218,7 +218,8 @@ optionsOf(const ConfigParameters& parameters)
     else if (auto* const number = std::get_if<double*>(&parameter.value))
       options.emplace_back(name, withDefault(**number), parameter.help);
     else
-      badParameter("parameter ", parameter.name, " is of no kind that inputs have");
+      badParameter("parameter ", parameter.name,
+                   " has a type that is not supported for inputs");
   }
   return options;
 }

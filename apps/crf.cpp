@@ -33,9 +33,10 @@ struct Arguments {
 
   Arguments()
   {
-    parameters.clique_words = "none, field (its field clique), cubes[:SIZE] [m], slic "
-                              "(organized clouds), supervoxel[:DISTANCE] [m], or a "
-                              "file of lists of indices";
+    parameters.clique_words =
+        "cliques: none, field = field 'clique' of IN, cubes[:SIZE [m]], slic "
+        "(organized clouds), supervoxel[:SEED_DISTANCE [m]], or a file with the point "
+        "indices of one clique per line";
   }
 };
 
@@ -51,15 +52,16 @@ colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)"
     --output /tmp/raw_map && \
   pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \
     --cliques cubes:1)",
-    {{"label-set FILE", "classes (.yaml), where labels do not show their number"},
-     {"label-mapping FILE", "numbers of the input to classes of the label set"},
+    {{"label-set FILE",
+      "label set (.yaml), if labels do not show the number of classes"},
+     {"label-mapping FILE", "mapping from numbers in IN to classes of the label set"},
      {"cliques WORD", "field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file"},
-     {"crf dense", "model: unary, dense, pn-potts or hierarchical"},
+     {"crf dense", "CRF model: unary, dense, pn-potts or hierarchical"},
      {"crf-iterations N", "number of mean-field updates"},
      {"smoothness-weight 3", "weight of the smoothness kernel"},
      {"appearance-weight 8", "weight of the appearance kernel"},
-     {"clique-weight 1", "cost of a member whose label differs from its clique"},
-     {"label-confidence 0.8", "probability of the class that a label states"},
+     {"clique-weight 1", "cost of a member whose label differs from its clique's"},
+     {"label-confidence 0.8", "probability of the class of a label"},
      {"threads 0", "number of threads; 0 = all processors"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
@@ -224,9 +226,8 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
   if (points == 0)
     return;
   if (without_preference == points)
-    warn(arguments.input +
-         ": no point has a label, or all classes are equally likely; there is "
-         "nothing to make consistent");
+    warn(arguments.input + ": no point has a label, or all classes are equally likely; "
+                           "the CRF has no effect");
   else if (changed == 0)
     warn("no label changed; larger --smoothness-weight and --appearance-weight "
          "change more");
@@ -237,11 +238,10 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
         (deviation < 0.5 * report.spacing || deviation > 50.0 * report.spacing)) {
       TextStream text;
       text << arguments.input << ": points lie " << report.spacing
-           << " apart (median of fourth neighbours), for which a deviation of "
-           << deviation << " is too "
-           << (deviation < report.spacing ? "small" : "large")
-           << "; is the cloud in metres? Without --smoothness-deviation and "
-              "--appearance-deviation they would be "
+           << " apart (median of fourth neighbours), so a deviation of " << deviation
+           << " is too " << (deviation < report.spacing ? "small" : "large")
+           << "; is the cloud in metres? The default of --smoothness-deviation and "
+              "--appearance-deviation is "
            << SemanticCRFParameters::automaticDeviation(report.spacing);
       return warn(text.str());
     }

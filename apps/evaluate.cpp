@@ -46,9 +46,9 @@ const Usage usage{
     "pcl_semantic_evaluate", "--prediction DIR --truth DIR --label-set FILE [options]",
     R"(Compares label images, or labels of scans (.label), with ground truth of the
 same names and prints IoU, recall and precision in percent. Exclusive figures
-count the pixels that the prediction covers (is not 0); inclusive ones take
-uncovered pixels for misses. Folders may be given several times, in the same
-order: they are evaluated as one.)",
+count only pixels that the prediction covers (is not 0). Inclusive figures count
+uncovered pixels as misses. Several folders, given in the same order, are
+evaluated as one.)",
     R"(pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \
     --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation)"};
 
@@ -64,25 +64,26 @@ parse(int argc, char** argv)
       {{"prediction", required(options.predictions),
         "folder of predicted label images, or of scan labels"},
        {"truth", required(options.truths),
-        "folder of ground truth, 0 = none; each file needs a prediction"},
+        "folder of ground truth labels (0 = none); each file needs a prediction"},
        {"covered-by", options.covered_by,
         "folder of label images: count only pixels that are not 0 there"},
        {"truth-depth", options.truth_depths,
-        "folder of the ground truth's depth (.png, 256 x metres, or .bin)"},
+        "folder of ground truth depth: .png (256 x metres) or .bin [m]"},
        {"range", options.ranges,
         "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
         "ranges"},
-       {"label-set", required(options.label_set), "classes (YAML)"},
+       {"label-set", required(options.label_set), "label set (.yaml)"},
        {"label-mapping", options.label_mapping,
-        "numbers of the ground truth to classes of the label set: a file (YAML), the "
-        "name of one that is installed (semantic_kitti_to_kitti11), zero_based, or of "
-        "images colours, those of the classes (default: they are labels, 0 = none)"},
+        "mapping from numbers in the ground truth to classes of the label set: file "
+        "(.yaml), name of an installed file (semantic_kitti_to_kitti11), zero_based or "
+        "colours = images have the class colours (default: numbers are labels, 0 = "
+        "none)"},
        {"ignore", ignore,
         "classes not evaluated, as numbers or names separated by commas, or none "
         "(default: sky,pedestrian,cyclist, if in the label set)"},
        {"output,o", options.output, "output folder for metrics.json and confusion.csv"},
        {"row", options.row, "print a row of a Markdown table with this name"},
-       {"header", options.header, "print the header of that table"}});
+       {"header", options.header, "print the header of the Markdown table"}});
   refuseIf(manner().json && (options.header || !options.row.empty()),
            "--json and a table in Markdown exclude each other");
   refuseIf(manner().json && options.ranges.size() > 1,

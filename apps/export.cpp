@@ -23,13 +23,13 @@ using namespace pcl_semantic::tool;
 const Usage usage{
     "pcl_semantic_export", "MAP OUT [options]",
     R"(Writes a labelled map for other programs. MAP is a folder that pcl_semantic_map has
-written, a labelled .pcd or .ply, or a map archive. OUT says by its name what is written:
+written, a labelled .pcd or .ply, or a map archive. The extension of OUT selects the format:
   .bt    octree of OctoMap, occupied and free
   .ply   points with labels
   .pgm   occupancy grid with its .yaml, as map_server of ROS reads it
-Only an archive knows which space is free. Of a folder or a cloud, which hold what is
-occupied, octrees leave all else unknown, and grids take for free where ground is seen
-and nothing stands. Parts of an archive: pcl_semantic_archive export.)",
+Only an archive stores free space. From a folder or a cloud, an octree leaves all other
+space unknown, and a grid marks ground without an obstacle as free.
+pcl_semantic_archive export writes parts of an archive.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street_map && \
@@ -85,7 +85,7 @@ parse(int argc, char** argv)
   Arguments arguments;
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
-      {{"map", arguments.map, "the map"},
+      {{"map", arguments.map, "input map"},
        {"output", arguments.output, "output file"},
        {"label-set", arguments.hints.label_set,
         "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)"},
@@ -93,7 +93,7 @@ parse(int argc, char** argv)
         "voxel size [m] (default: that of the map, or of its points)"},
        {"ground", arguments.ground,
         "ground classes, separated by commas (default: road, sidewalk, terrain, "
-        "parking and other ground, if there are such)"},
+        "parking and other ground, if in the label set)"},
        {"colour", withDefault(arguments.colour), "colour of points: class or rgb"},
        {"min-height", withDefault(arguments.min_height),
         "minimum height of an obstacle above the ground [m]"},
@@ -155,8 +155,8 @@ groundOf(const std::string& list, const LabelSet& label_set)
                                       "'");
   }
   if (labels.empty())
-    fail<InvalidParameterException>("--ground: the label set has no usual class of the "
-                                    "ground; name those that are");
+    fail<InvalidParameterException>("the label set has none of the default ground "
+                                    "classes; name its ground classes with --ground");
   return labels;
 }
 
@@ -212,10 +212,11 @@ requireSize(const Arguments& arguments, const VoxelScene& scene)
     return;
   if (arguments.format == Format::grid)
     fail<BadInputException>(arguments.map,
-                            ": has no point: an image of no pixel cannot be written");
+                            ": has no point, expected one or more for a .pgm");
   if (arguments.format == Format::octree && !(scene.grid.size > 0.0))
-    fail<BadInputException>(arguments.map, ": has no point that shows the size of its "
-                                           "voxels; say it with --voxel-size");
+    fail<BadInputException>(
+        arguments.map,
+        ": has no point to derive the voxel size from; give --voxel-size");
   warn(arguments.map + ": no point is left");
 }
 

@@ -34,11 +34,11 @@ using namespace pcl_semantic::tool;
 
 const Usage usage{
     "pcl_semantic_fleet", "PLAN.yaml",
-    R"(Maps many drives into one map: cuts them into submaps, maps these, places each by
-corrected poses if there are any, and merges them tile by tile. Under mpirun or
-Slurm all processes share the work; what is done stays done when it is started
-again; what the plan no longer says is made anew or removed. OUTPUT/map.tiles is the
-map: pcl_semantic_archive, _export, _render and _view read it as an archive.)",
+    R"(Maps many drives into one map: cuts them into submaps, maps these, moves each to its
+corrected poses if there are any, and merges them tile by tile. Under mpirun or Slurm
+all processes share the work. A restarted run keeps finished submaps. Submaps that
+differ from the plan are mapped again or removed. OUTPUT/map.tiles is the map:
+pcl_semantic_archive, _export, _render and _view read it as an archive.)",
     R"(pcl_semantic_synthesize /tmp/street && cat >/tmp/plan.yaml <<'EOF'
 output: city
 options: {submap_every: 10m}
@@ -383,9 +383,11 @@ main(int argc, char** argv)
   const int code = run(usage.name, [&] {
     keepFreedMemory();
     std::string plan;
-    parseCommandLine(argc, argv, usage,
-                     {{"plan", plan, "what is mapped (.yaml), doc/fleet.md"}},
-                     {"plan"});
+    parseCommandLine(
+        argc, argv, usage,
+        {{"plan", plan,
+          "plan of the drives and their options (.yaml), see doc/fleet.md"}},
+        {"plan"});
     refuseIf(plan.empty(), "PLAN.yaml is missing");
     return mapFleet(plan, ranks);
   });

@@ -28,7 +28,8 @@ struct Arguments {
   {
     parameters.parameters = SemanticCRFParameters::forImages();
     parameters.unit = "px";
-    parameters.clique_words = "none, slic, slic:NUMBER or an image of segments (.png)";
+    parameters.clique_words =
+        "cliques: none, slic, slic:NUMBER or an image of segments (.png)";
   }
 };
 
@@ -40,16 +41,16 @@ const Usage usage{
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_image_crf /tmp/street/image_2/000000.png /tmp/street/labels/000000.bin \
     /tmp/refined.png --overlay /tmp/refined_overlay.png)",
-    {{"label-set FILE", "classes of the distributions (default: KITTI, eleven)"},
-     {"overlay FILE", "also write the image with the classes laid over it"},
-     {"refined FILE", "also write the refined distributions (.bin)"},
-     {"cliques slic[:NUMBER]", "superpixels for pn-potts and hierarchical"},
-     {"crf dense", "model: unary, dense, pn-potts or hierarchical"},
+    {{"label-set FILE", "label set of the distributions (default: kitti11)"},
+     {"overlay FILE", "output image with the classes drawn over it (.png)"},
+     {"refined FILE", "output file of the refined distributions (.bin)"},
+     {"cliques slic[:NUMBER]", "superpixels of pn-potts and hierarchical"},
+     {"crf dense", "CRF model: unary, dense, pn-potts or hierarchical"},
      {"crf-iterations N", "number of mean-field updates"},
      {"smoothness-weight 3", "weight of the smoothness kernel"},
      {"appearance-weight 8", "weight of the appearance kernel"},
-     {"clique-weight 1", "cost of a member whose label differs from its clique"},
-     {"label-confidence 0.8", "probability of the class that a label states"},
+     {"clique-weight 1", "cost of a member whose label differs from its clique's"},
+     {"label-confidence 0.8", "probability of the class of a label"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
 Arguments
@@ -59,17 +60,19 @@ parse(int argc, char** argv)
   bool print_config = false;
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
-      {{"image", arguments.image, "the image (.png, .jpg)"},
-       {"distributions", arguments.distributions, "class distributions of its pixels"},
-       {"output", arguments.output, "the class ids to write (.png)"},
+      {{"image", arguments.image, "input image (.png, .jpg)"},
+       {"distributions", arguments.distributions,
+        "label distributions of the pixels (.bin, .npy), or class ids (.png)"},
+       {"output", arguments.output, "output image of class ids (.png)"},
        {"label-set", arguments.label_set,
-        "classes of the distributions (default: label_sets/kitti11.yaml)"},
+        "label set of the distributions (default: label_sets/kitti11.yaml)"},
        {"overlay", arguments.overlay,
-        "also writes the image with the classes laid over it (.png)"},
-       {"refined", arguments.refined, "also writes the refined distributions (.bin)"},
-       {"config", arguments.config, "parameters as YAML; options override it"},
+        "output image with the classes drawn over it (.png)"},
+       {"refined", arguments.refined,
+        "output file of the refined distributions (.bin)"},
+       {"config", arguments.config, "parameter file (.yaml); options override it"},
        {"print-config", print_config,
-        "print the effective parameters as YAML and end"}},
+        "print the effective parameters as YAML and exit"}},
       {"image", "distributions", "output"}, parametersOf(arguments.parameters));
   setCRFConfig(values, arguments.config, print_config, arguments.parameters);
   refuseUnread(values,

@@ -47,10 +47,10 @@ or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))
   --output (DIR | OUT.pcd) [options]
 or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml
   --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options])",
-    R"(Runs a segmentation network over the left images and stores the class distributions
-of their pixels, once for many runs of pcl_semantic_map --labels; or gives clouds
-labels: organized ones those of their pixels, those of a laser scanner those of the
-images in which a camera saw the points.)",
+    R"(Runs a segmentation network on the left images and stores the label distributions of
+their pixels for pcl_semantic_map --labels. With --clouds it labels clouds instead:
+organized clouds by their pixels, clouds of a laser scanner by the camera images that
+show their points.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 /tmp/street/calib.txt \
     /tmp/street_clouds && \
@@ -58,10 +58,10 @@ images in which a camera saw the points.)",
     --output /tmp/street_labelled)",
     {{"clouds GLOB", "clouds to label, instead of images"},
      {"network FILE", "network description (.yaml)"},
-     {"model FILE", "network (.onnx; default: as its description says)"},
+     {"model FILE", "network (.onnx; default: the file that its description names)"},
      {"labels DIR", "label images or distributions instead of a network"},
      {"left GLOB, --right GLOB", "images of any camera, instead of SEQUENCE"},
-     {"calibration FILE", "of the cameras"},
+     {"calibration FILE", "calibration of the cameras"},
      {"sensor-pose FILE", "pose of the clouds' sensor in the camera"},
      {"output DIR", "folder of the distributions, or of the labelled clouds"},
      {"frames A:B", "frames with numbers A <= n < B"}}};
@@ -140,7 +140,7 @@ unreadOptions(const Arguments& arguments)
           {!arguments.network.empty() || !clouds,
            "with --network",
            {"label-confidence", "label-mapping", "label-set"}},
-          {true, "on labels, which go by the numbers of frames", {"times"}},
+          {true, "on labels, which belong to frame numbers", {"times"}},
           unreadOptionsOfLabels(arguments.labels)};
 }
 
@@ -153,18 +153,18 @@ parse(int argc, char** argv)
       withSequence(
           arguments.sequence,
           {{"clouds", arguments.clouds,
-            "clouds to label, one per frame, a .pcd, a folder or a pattern in quotes: "
-            "organized ones, of pcl_semantic_stereo, or those of a scanner beside "
-            "SEQUENCE or --left"},
+            "clouds to label, one per frame: a .pcd, a folder or a pattern in quotes; "
+            "organized clouds of pcl_semantic_stereo or, with SEQUENCE or --left, "
+            "clouds of a laser scanner"},
            {"sensor-pose", arguments.sensor_pose,
-            "pose of the scanner in the camera (x right, y down, z forward): a file "
-            "with one line, the upper 3 x 4 of its matrix (default: Tr of SEQUENCE's "
-            "calib.txt)"},
+            "pose of the scanner in the camera frame (x right, y down, z forward): a "
+            "file with one line, the upper 3 x 4 of its matrix (default: Tr in "
+            "SEQUENCE's calib.txt)"},
            {"output,o", arguments.output,
             "output folder; for one cloud the output cloud (.pcd)"},
            {"network", arguments.network, "network description (.yaml)"},
            {"model", arguments.model,
-            "network (.onnx; default: as its description says)"},
+            "network (.onnx; default: the file that its description names)"},
            {"engine", arguments.engine, kEngineHelp},
            {"labels", arguments.labels,
             "stored label distributions for --clouds: folder with one .bin, .npy or "
@@ -173,17 +173,19 @@ parse(int argc, char** argv)
             "label set of --labels (default: label_sets/kitti11.yaml)"},
            {"label-mapping", arguments.label_mapping, kPixelMappingHelp},
            {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
-           {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
+           {"frames", arguments.frames,
+            "A:B = frames with numbers A <= n < B; default: all"},
            {"format", withDefault(arguments.format),
             "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
             "(.png, most probable class)"},
            {"max-depth", withDefault(arguments.max_depth),
-            "farthest points that get labels of images [m]; 0 = all"},
+            "maximum depth of a point that gets a label of an image [m]; 0 = "
+            "unlimited"},
            {"occlusion-window", withDefault(arguments.occlusion_window),
-            "nearer points hide a point within so many columns, rows [px]: as far as "
-            "the beams are apart in the image"},
+            "half width and height COLUMNS,ROWS of the window in which nearer points "
+            "hide a point [px]; it must cover the gaps between beams in the image"},
            {"label-confidence", withDefault(arguments.label_confidence),
-            "probability of the class that a .png of --labels gives"},
+            "probability of the class in a .png of --labels"},
            {"threads", withDefault(arguments.threads),
             "number of threads; 0 = all processors"}}),
       {"sequence"});
@@ -472,7 +474,8 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
     images.push_back(fs::path(options.sequence.folder) / name);
   for (const fs::path& folder : images)
     refuseIf(fs::equivalent(folder, options.output, error),
-             "--output " + options.output + ": holds images");
+             "--output " + options.output +
+                 ": holds images, expected a folder without images");
   if (!fs::is_directory(options.output, error))
     return;
   for (const FrameFile& file : listFrameFiles(options.output, {".bin", ".npy", ".png"}))

@@ -67,10 +67,10 @@ LiveSource::next()
       if (files_.strict || grabber_->hasEnded())
         throw; // no more can arrive
       if (++damaged_ == 1)
-        warn(std::string(error.what()) + "; it is left out");
+        warn(std::string(error.what()) + "; the frame is ignored");
     }
   if (!interrupted() && !isVideo(files_.files.left))
-    warn(files_.name() + ": gives no more images");
+    warn(files_.name() + ": delivers no more images");
   return std::nullopt;
 }
 

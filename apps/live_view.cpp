@@ -52,7 +52,7 @@ openLiveView(const std::string& folder, const std::string& images)
       "pcl_semantic_view";
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
-    badParameter("--view: there is no pipe left");
+    badParameter("--view: no pipe can be opened");
   std::vector<std::string> words = {program, folder, "--follow"};
   if (!images.empty())
     words.insert(words.end(), {"--images", images});

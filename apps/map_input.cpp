@@ -53,7 +53,7 @@ readScene(const std::string& path, const MapHints& hints)
   if (isFolder(path)) {
     const MapSummary summary = readMapSummary(path);
     if (!summary.is_whole)
-      warn(path + ": its run broke off: it is a map of the frames until then");
+      warn(path + ": the run was interrupted; the map holds the frames up to then");
     // Cube 0 starts at the world's origin; the points are relative to the map's origin.
     const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
     VoxelScene scene = readVoxelScene(path + "/map.pcd", {size, -summary.origin});

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -23,24 +24,24 @@ const Usage map_usage{
 or --clouds DIR --poses FILE --output DIR [options]
 or --rgbd DIR --calibration FILE --poses FILE --output DIR
   (--labels DIR | --network FILE.yaml) [options])",
-    R"(Maps a stereo or RGB-D sequence, or labelled clouds of any sensor: writes a labelled voxel
-map, the classes as a camera sees them in it, pictures and a summary. Defaults of
-the parameters are shown.)",
+    R"(Maps a stereo or RGB-D sequence, or labelled clouds of any sensor. Writes a labelled
+voxel map, its classes rendered into the camera's images, pictures and a summary.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map)",
     {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
-     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"calibration FILE",
+      "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
      {"clouds GLOB", "clouds of any sensor, labelled or not, with --poses"},
      {"rgbd DIR", "RGB-D sequence, with --calibration and --poses"},
-     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"labels DIR", "stored label distributions, one .bin, .npy or .png per frame"},
      {"network FILE", "network description (.yaml) instead of --labels"},
      {"poses FILE", "KITTI or TUM trajectory (default: poses.txt, else odometry)"},
      {"output DIR", "folder of the map, its pictures and its summary"},
      {"frames A:B", "frames with numbers A <= n < B"},
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
-     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
-     {"archive FILE", "archive of the map; --resume goes on from it"},
+     {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
+     {"archive FILE", "archive of the map; --resume continues from it"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
@@ -48,24 +49,25 @@ const Usage live_usage{
     "pcl_semantic_live",
     R"((SEQUENCE | --left 0 --right 2 --calibration FILE.yaml)
   --output DIR (--labels DIR | --network FILE.yaml) [options])",
-    R"(Maps what comes, until Ctrl-C; then the map is finished and written. SEQUENCE is a
-folder that another program fills; --left and --right are cameras (0, /dev/video0),
-streams (rtsp://...) or videos, or both the same camera, with its sides next to each
-other. Takes the newest pair and drops those before it; labels are fused when they are
-ready; no images of the frames are written.)",
+    R"(Maps live frames until Ctrl-C, then finishes and writes the map. SEQUENCE is a folder
+that another program fills. --left and --right are cameras (0, /dev/video0), streams
+(rtsp://...) or videos; one camera with both images side by side is given as both. Maps
+the newest pair and drops earlier ones. Labels are fused when they are ready. No images
+of the frames are written.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   timeout --preserve-status -s INT 10 \
     pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",
     {{"left NAME, --right NAME", "cameras, streams or videos, instead of SEQUENCE"},
-     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"calibration FILE",
+      "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
      {"every-frame", "map each pair of two videos"},
-     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"labels DIR", "stored label distributions, one .bin, .npy or .png per frame"},
      {"network FILE", "network description (.yaml) instead of --labels"},
      {"poses FILE", "KITTI or TUM trajectory (default: odometry)"},
      {"output DIR", "folder of the map, its pictures and its summary"},
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
-     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
+     {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
      {"archive FILE", "archive of the map"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -91,13 +93,27 @@ inputsOf(MapInputs& inputs, MapProgram program)
   static const std::set<std::string> of_recordings = {
       "clouds", "rgbd", "depth_scale", "scan_columns", "sensor", "clique_calibration",
       "frames"};
+  static const std::map<std::string, std::string> live_help = {
+      {"sequence", "folder in KITTI's odometry layout that another program fills"},
+      {"left", "left camera (0, /dev/video0), stream (rtsp://...) or video, instead of "
+               "SEQUENCE"},
+      {"right", "right camera, stream or video; the same name as --left if each image "
+                "holds both sides"},
+      {"times", "time stamps of the images with --every-frame, one per line [s] "
+                "(default: rate of the videos)"},
+      {"poses", "trajectory file (KITTI or TUM), or odometry = estimated from the "
+                "images; auto = odometry"}};
   ConfigParameters parameters = parametersOf(inputs);
-  if (program == MapProgram::live)
-    parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
-                                    [](const ConfigParameter& each) {
-                                      return of_recordings.count(each.name) > 0;
-                                    }),
-                     parameters.end());
+  if (program != MapProgram::live)
+    return parameters;
+  parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
+                                  [](const ConfigParameter& each) {
+                                    return of_recordings.count(each.name) > 0;
+                                  }),
+                   parameters.end());
+  for (ConfigParameter& each : parameters)
+    if (const auto found = live_help.find(each.name); found != live_help.end())
+      each.help = found->second;
   return parameters;
 }
 
@@ -107,13 +123,15 @@ outputsOf(MapOptions& options, MapProgram program)
   MapOutputs& outputs = options.outputs;
   std::vector<Option> all = {
       {"output", outputs.folder,
-       "output folder; replaces an earlier map in it, which stays in its folder "
-       "`previous` until the new one is whole"},
+       "output folder; an earlier map in it is kept in its folder `previous` until the "
+       "new map is complete"},
       {"centres", outputs.centres,
-       "give the points of map.pcd the centres of their voxels instead of the mean "
+       "write the points of map.pcd at the centres of their voxels instead of the mean "
        "positions of the hits"},
       {"archive", outputs.archive.path,
-       "archive file of the map; a killed run can be resumed from it"},
+       program == MapProgram::live
+           ? "archive file of the map"
+           : "archive file of the map; --resume continues a killed run from it"},
       {"archive-every", withDefault(outputs.archive.every),
        "commit to the archive every N frames"},
       {"view", options.view, "show the map in a window while it grows"}};
@@ -127,18 +145,19 @@ outputsOf(MapOptions& options, MapProgram program)
       {"map-only", po::bool_switch(),
        "write the map, its trajectory and summary, but no images of the frames"},
       {"also", outputs.also,
-       "further output for evaluation, separated by commas: measured = labels "
-       "before the CRF, depth = depth images, probabilities = those of the "
-       "classes at the pixels' depths, scans = the class of each point of the "
-       "sequence's laser scans, or of --clouds"},
+       "additional outputs for evaluation, separated by commas: measured = labels "
+       "before the CRF, depth = depth images, probabilities = class probabilities at "
+       "the depth of each pixel, scans = class of each point in the laser scans or in "
+       "--clouds"},
       {"scan-within", withDefault(outputs.scan_within),
-       "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains it"},
+       "maximum distance from a scan point to the voxel that gives its class [m]; 0 = "
+       "the voxel that contains it"},
       {"submap-every", options.submap_every,
-       "cut the drive into submaps after so many metres (50m) or frames (100), "
-       "each with an archive OUTPUT/FIRST.map and a folder OUTPUT/FIRST; "
-       "pcl_semantic_archive merge joins them, also with corrected poses"},
+       "length of a submap in metres (50m) or frames (100); each has an archive "
+       "OUTPUT/FIRST.map and a folder OUTPUT/FIRST, named after its first frame; "
+       "pcl_semantic_archive merge joins submaps, also with corrected poses"},
       {"resume", outputs.archive.resume,
-       "resume from the archive; start if there is none"}};
+       "resume from the archive, or start a new one if there is none"}};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -147,10 +166,9 @@ void
 requireLive(const MapOptions& options)
 {
   refuseIf(!options.inputs.sequence.files.times.empty(), "--times needs --every-frame");
-  refuseIf(options.config.network_every != 1,
-           "--network-every is for maps of all frames");
+  refuseIf(options.config.network_every != 1, "--network-every needs --every-frame");
   refuseIf(options.inputs.poses == "sequence",
-           "--poses sequence: frames come without a file of poses");
+           "--poses sequence is for recorded sequences: live frames have no poses.txt");
 }
 
 void
@@ -161,7 +179,7 @@ requireArchive(const MapOptions& options)
            "--resume needs --archive");
   refuseIf(archive.every < 1, "--archive-every is less than 1");
   refuseIf(!archive.path.empty() && isOutput(archive.path, options.outputs.folder),
-           "--archive is where --output puts its own files");
+           "--archive is a path that --output writes; choose another path");
   if (options.submap_every.empty())
     return;
   asUsage([&] { parseSubmapLength(options.submap_every, options.inputs); });
@@ -177,7 +195,7 @@ requireOutput(const MapOptions& options)
   refuseIf(output.empty(), "--output is missing");
   for (const auto& [name, path] : inputs.sequence.inputs())
     refuseIf(name != "sequence" && isOutput(path, output),
-             "--" + name + " is where --output puts its own files");
+             "--" + name + " is a path that --output writes; choose another --output");
   std::error_code error;
   const auto isSame = [&](const std::string& input, const std::string& written) {
     return std::filesystem::equivalent(input, output + written, error);
@@ -187,10 +205,11 @@ requireOutput(const MapOptions& options)
            "--output holds images of frames; maps need a folder of their own");
   refuseIf(std::filesystem::exists(output + "/calib.txt", error),
            "--output holds a sequence (calib.txt); maps need a folder of their own");
-  refuseIf(isSame(inputs.labels, "/labels"),
-           "--labels is where --output puts its own labels");
+  refuseIf(
+      isSame(inputs.labels, "/labels"),
+      "--labels is the folder of labels that --output writes; choose another --output");
   refuseIf(!inputs.clouds.empty() && isSame(inputs.poses, "/trajectory.txt"),
-           "--poses is where --output puts its own trajectory");
+           "--poses is the trajectory that --output writes; choose another --output");
   refuseIf(!inputs.clouds.empty() && isSame(inputs.clouds, ""),
            "--output holds the clouds; maps need a folder of their own");
 }

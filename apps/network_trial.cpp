@@ -122,11 +122,12 @@ tryNetwork(const std::string& description, const std::string& model,
     fail<BadModelException>(name, ": the network has not labelled an image within ",
                             patience.count(), " s");
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
-    fail<BadModelException>(name, ": what tried the network was killed: is there too "
-                                  "little memory for it?");
+    fail<BadModelException>(
+        name, ": the test run of the network was killed; is there enough memory?");
   if (WIFSIGNALED(status))
-    fail<BadModelException>(name, ": the network ends the program that loads it (",
-                            ::strsignal(WTERMSIG(status)), "): damaged, or not for ",
+    fail<BadModelException>(name, ": the network crashes the program that loads it (",
+                            ::strsignal(WTERMSIG(status)),
+                            "); it is damaged, or not for ",
                             engine.empty() ? "this engine" : engine);
   if (WEXITSTATUS(status) == exit_out_of_memory)
     throw std::bad_alloc();

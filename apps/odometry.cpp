@@ -22,12 +22,13 @@ const Usage usage{
     "pcl_semantic_odometry",
     R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
   OUT.txt [options])",
-    R"(Poses of a stereo sequence from its images alone, of camera 0 in the frame of the
-first one, as KITTI or TUM trajectory.)",
+    R"(Estimates the poses of a stereo sequence from its images and writes them as a KITTI or
+TUM trajectory: poses of camera 0 in the frame of the first one.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_odometry /tmp/street /tmp/poses.txt)",
     {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
-     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"calibration FILE",
+      "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
      {"format kitti", "format of OUT.txt: kitti or tum"},
      {"frames A:B", "frames with numbers A <= n < B"},
      {"report FILE", "table (.csv) of tracked features and their errors"},
@@ -50,14 +51,14 @@ parse(int argc, char** argv)
       argc, argv, usage,
       withSequence(
           options.sequence,
-          {{"output", options.output, "output trajectory"},
+          {{"output", options.output, "output trajectory (.txt)"},
            {"report", options.report,
             "output table (.csv): tracked features and covariance of each pose"},
            {"format", withDefault(options.format),
             "format of the output: kitti (12 numbers per row) or tum (time, "
             "quaternion)"},
            {"frames", withDefault(options.frames),
-            "A:B = frames with numbers A <= n < B"},
+            "A:B = frames with numbers A <= n < B; : = all"},
            {"threads", withDefault(options.threads),
             "number of threads; 0 = all processors"},
            {"features", withDefault(parameters.features),
@@ -150,7 +151,8 @@ track(const Options& options)
 {
   for (const std::string& path : {options.output, options.report})
     refuseIf(std::filesystem::path(path).extension() == ".png",
-             path + ": is a name for an image");
+             path +
+                 ": is the name of an image, expected that of a trajectory or table");
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // reports wrong options first
   const std::unique_ptr<FrameSequence> opened = openSequenceOf(options.sequence);

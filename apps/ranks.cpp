@@ -99,7 +99,7 @@ struct Ranks::Processes {
       : environment(argc, argv, mpi::threading::multiple, false)
   {
     if (mpi::environment::thread_level() < mpi::threading::multiple)
-      throw std::runtime_error("this MPI does not go with threads");
+      throw std::runtime_error("this MPI library does not support threads");
   }
 
   mpi::environment environment;

@@ -24,10 +24,8 @@ struct Arguments {
 const tool::Usage usage{
     "pcl_semantic_render", "MAP OUT.png [options]",
     "Draws a labelled map as solid cubes, without a window or a graphics card. MAP is "
-    "a\n"
-    "folder that pcl_semantic_map has written (its path and voxel size are known "
-    "then), a\n"
-    "labelled .pcd or .ply, or a map archive.",
+    "a\nfolder that pcl_semantic_map has written (with its trajectory and voxel size), "
+    "a labelled\n.pcd or .ply, or a map archive.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
     "\\\n"
@@ -52,20 +50,21 @@ parse(int argc, char** argv)
   Arguments arguments;
   const auto values = tool::parseCommandLine(
       argc, argv, usage,
-      tool::withRenderOptions(arguments.picture,
-                              {{"map", arguments.map, "the map"},
-                               {"output", arguments.output, "output image (.png)"},
-                               {"compare", arguments.compare,
-                                "earlier map; shows where classes changed since"}},
-                              {{"size", tool::withDefault(arguments.picture.texts.size),
-                                "size of the image without its legend [px]"},
-                               {"colour", tool::withDefault(arguments.colour),
-                                "class, rgb, or entropy of the labels"},
-                               {"threads", tool::withDefault(arguments.threads),
-                                "number of threads; 0 = all processors"}}),
+      tool::withRenderOptions(
+          arguments.picture,
+          {{"map", arguments.map, "input map"},
+           {"output", arguments.output, "output image (.png)"},
+           {"compare", arguments.compare,
+            "earlier map; the picture shows the voxels whose class changed"}},
+          {{"size", tool::withDefault(arguments.picture.texts.size),
+            "size of the image without its legend [px]"},
+           {"colour", tool::withDefault(arguments.colour),
+            "colour of voxels: class, rgb, or entropy of the labels"},
+           {"threads", tool::withDefault(arguments.threads),
+            "number of threads; 0 = all processors"}}),
       {"map", "output"});
   tool::refuseIf(!arguments.compare.empty() && !values["colour"].defaulted(),
-                 "--compare has colours of its own, --colour is for one map");
+                 "--colour has no effect with --compare, which has its own colours");
   tool::readRenderOptions(values, arguments.picture);
   validate(arguments);
   return arguments;

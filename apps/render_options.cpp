@@ -55,7 +55,7 @@ withRenderOptions(RenderOptions& options, std::vector<Option> first,
        {"voxel-size", options.hints.voxel_size,
         "voxel size [m] (default: that of the map, or of its points)"},
        {"view", withDefault(options.view),
-        "angle (along the path from above), above, camera"},
+        "view: angle (along the path from above), above or camera"},
        {"frame", withDefault(options.frame),
         "row of the trajectory for --view camera"}});
   first.insert(first.end(), last.begin(), last.end());

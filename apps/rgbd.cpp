@@ -19,8 +19,8 @@ namespace {
 
 const Usage usage{
     "pcl_semantic_rgbd", "SEQUENCE OUT [options]",
-    R"(Frames of an RGB-D camera as organized coloured clouds (.pcd) in the camera's
-frame, which pcl_semantic_label gives labels and pcl_semantic_map --clouds maps.
+    R"(Converts the frames of an RGB-D camera to organized coloured clouds (.pcd) in the camera
+frame. pcl_semantic_label labels these clouds and pcl_semantic_map --clouds maps them.
 SEQUENCE has the layout of TUM's benchmark (rgb.txt, depth.txt), or folders rgb
 and depth whose files have the same names; depth is registered to colour.)",
     R"(pcl_semantic_synthesize /tmp/street && \
@@ -42,15 +42,15 @@ parse(int argc, char** argv)
   Options options;
   parseCommandLine(
       argc, argv, usage,
-      {{"sequence", options.sequence, "RGB-D sequence"},
+      {{"sequence", options.sequence, "folder of the RGB-D sequence"},
        {"output", options.output, "output folder"},
        {"calibration", options.calibration,
         "camera of undistorted images: ROS camera_info, OpenCV, Kalibr's camchain or "
         "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt"},
-       {"intrinsics", options.intrinsics, "instead: fx,fy,cx,cy [px]"},
+       {"intrinsics", options.intrinsics,
+        "intrinsics fx,fy,cx,cy instead of --calibration [px]"},
        {"depth-scale", withDefault(options.depth_scale),
-        "number in a depth image that stands for a metre; 0 = 5000 in TUM's layout, "
-        "else 1000"},
+        "value of 1 m in the depth images; 0 = 5000 in TUM's layout, else 1000"},
        {"max-depth", withDefault(options.max_depth),
         "maximum depth [m]; 0 = unlimited"}},
       {"sequence", "output"});

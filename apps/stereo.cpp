@@ -28,8 +28,9 @@ namespace fs = std::filesystem;
 
 const Usage usage{
     "pcl_semantic_stereo", "LEFT RIGHT CALIBRATION OUT [options]",
-    R"(Depth of a stereo pair (.png) as an organized coloured cloud (.pcd), in the left camera's
-frame. With folders as LEFT, RIGHT and OUT: of all images in them, paired in their order.)",
+    R"(Computes the depth of a stereo pair (.png) and writes it as an organized coloured cloud
+(.pcd) in the frame of the left camera. If LEFT, RIGHT and OUT are folders, their images
+are paired in order.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_stereo /tmp/street/image_2/000000.png /tmp/street/image_3/000000.png \
     /tmp/street/calib.txt /tmp/pair.pcd --disparity /tmp/disparity.png)"};
@@ -60,15 +61,17 @@ parse(int argc, char** argv)
        {"output", options.output, "output cloud (.pcd), or output folder"},
        {"disparity", options.disparity,
         "output image of the disparities, or folder (blue = far, red = near)"},
-       {"strict", options.strict, "reject pairs that look wrong instead of warning"},
-       {"stereo", withDefault(options.engine), "engine: sgm, elas or sgbm"},
+       {"strict", options.strict,
+        "reject pairs that look blank, identical, swapped or unrelated instead of "
+        "warning"},
+       {"stereo", withDefault(options.engine), "stereo engine: sgm, elas or sgbm"},
        {"disparities", withDefault(options.disparities),
         "range of the disparity search, a multiple of 64 (elas, sgbm: 16) [px]"},
        {"max-depth", withDefault(options.max_depth),
         "maximum depth [m]; 0 = unlimited"},
        {"max-deviation", withDefault(options.max_deviation),
-        "discard disparities whose standard deviation exceeds this [px]; the default "
-        "keeps matched pixels, 0 keeps interpolated ones too"},
+        "maximum standard deviation of a disparity [px]; the default keeps matched "
+        "pixels, 0 keeps interpolated ones too"},
        {"threads", withDefault(options.threads),
         "number of threads; 0 = all processors"}},
       {"left", "right", "calibration", "output"});
@@ -115,7 +118,7 @@ requireKindsOfFiles(const Options& options)
            "LEFT and RIGHT have to be two images, or two folders");
   for (const std::string& path : {options.left, options.right})
     if (!isThere(path))
-      fail<BadInputException>(path, ": is not there");
+      fail<BadInputException>(path, ": does not exist");
   if (!folders) {
     requireOutput(options.output, ".pcd");
     requireOutput(options.disparity, ".png");

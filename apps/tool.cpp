@@ -161,7 +161,7 @@ warnOfOtherFiles(const std::string& folder, const std::vector<std::string>& writ
   if (others > 0)
     warn(folder + ": holds " + std::to_string(others) + " other " +
          extensions.begin()->string() + " file" + (others > 1 ? "s" : "") +
-         ", which stay: of an earlier run?");
+         ", which this run keeps; of an earlier run?");
 }
 
 bool
@@ -185,7 +185,7 @@ refuseSameFiles(const std::vector<std::string>& inputs,
     for (const std::string& other : others)
       if (areSameFile(outputs[i], other))
         fail<InvalidParameterException>(outputs[i],
-                                        ": is named as an output and once more");
+                                        ": is given as an output and a second time");
   }
 }
 

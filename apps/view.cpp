@@ -64,11 +64,11 @@ usageOfView()
       "  pcl_semantic_view /tmp/map --hide vegetation --screenshot /tmp/view.png",
       {{"screenshot FILE", "write a picture (.png) instead of opening a window"},
        {"colour WORD", "class, rgb or entropy"},
-       {"hide NAMES", "classes to hide, with commas between them"},
+       {"hide NAMES", "names of classes to hide, separated by commas"},
        {"below 2.5", "show only what is below this height [m]"},
-       {"images SEQUENCE", "show pictures of this sequence, too"},
+       {"images SEQUENCE", "sequence whose images are shown"},
        {"trajectory FILE", "trajectory to draw, KITTI or TUM"},
-       {"follow", "MAP is being written: show it as it grows"},
+       {"follow", "show MAP while pcl_semantic_map --view writes it"},
        {"view angle", "angle, above or camera"}}};
 }
 
@@ -85,24 +85,24 @@ parse(int argc, char** argv)
       argc, argv, usageOfView(),
       tool::withRenderOptions(
           arguments.picture,
-          {{"map", arguments.map, "the map"},
+          {{"map", arguments.map, "input map"},
            {"screenshot", arguments.screenshot,
             "write a picture (.png) instead of opening a window"},
            {"colour", arguments.colour,
-            "class, rgb, entropy; default: the first that MAP has"},
-           {"hide", hide, "classes to hide, by name, with commas between them"},
+            "colour of voxels: class, rgb or entropy (default: the first that MAP "
+            "has)"},
+           {"hide", hide, "names of classes to hide, separated by commas"},
            {"below", arguments.state.below, "show only what is below this height [m]"},
            {"images", arguments.images,
-            "show pictures of this sequence (KITTI's layout) where the camera was"},
-           {"keys", keys,
-            "keys pressed at the beginning, with commas between them: m,3,Down"},
+            "sequence (KITTI's layout) whose images are shown at the camera positions"},
+           {"keys", keys, "keys pressed at the start, separated by commas: m,3,Down"},
            {"follow", arguments.follow,
-            "MAP is the output folder of a pcl_semantic_map --view that runs or is "
-            "about to: show the map after each frame; --images shows the newest "
-            "image"}},
+            "show the map after each frame; MAP is the output folder of a running or "
+            "starting pcl_semantic_map --view; --images shows the newest image"}},
           {{"size", tool::withDefault(arguments.picture.texts.size),
-            "of the window or picture"},
-           {"threads", tool::withDefault(arguments.threads), "0 = all processors"}}),
+            "size of the window or picture [px]"},
+           {"threads", tool::withDefault(arguments.threads),
+            "number of threads; 0 = all processors"}}),
       {"map"});
   tool::refuseIf(arguments.map.empty(), "MAP is missing");
   tool::refuseIf(arguments.follow && !arguments.screenshot.empty(),
@@ -113,7 +113,8 @@ parse(int argc, char** argv)
                         {arguments.screenshot});
   if (!arguments.colour.empty())
     tool::requireColour(arguments.colour);
-  tool::refuseIf(std::isnan(arguments.state.below), "--below is no number");
+  tool::refuseIf(std::isnan(arguments.state.below),
+                 "--below is not a number, expected a height [m]");
   arguments.hide = tool::splitAtCommas(hide);
   arguments.keys = tool::splitAtCommas(keys);
   tool::readRenderOptions(values, arguments.picture);
@@ -206,8 +207,7 @@ openMap(const Arguments& arguments)
     opened.state.colouring = tool::colouringOf(opened.map, arguments.colour);
   if (!arguments.images.empty()) {
     if (opened.map.path.empty())
-      badParameter(
-          "--images: where the camera was is not known; name its --trajectory");
+      badParameter("--images needs the poses of the camera; give --trajectory");
     opened.map.pictures = tool::imagesOf(arguments.images, opened.map.path,
                                          arguments.follow ? 1 : kMaxImages);
     opened.state.pictures = true;

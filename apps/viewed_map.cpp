@@ -128,7 +128,7 @@ colouringOf(const ViewedMap& map, const std::string& name)
       return i;
     known += (i == 0 ? "" : ", ") + map.colourings[i].name;
   }
-  badParameter(map.title, ": has nothing for --colour ", name, ", only for ", known);
+  badParameter(map.title, ": has no colours for --colour ", name, ", expected ", known);
 }
 
 std::vector<ViewedImage>
@@ -210,8 +210,8 @@ const std::vector<std::string>&
 helpOnKeys()
 {
   static const std::vector<std::string> lines = {
-      "1 ... 9, 0: a class on, off",
-      "click on a name: likewise",
+      "1 ... 9, 0: class on, off",
+      "click on a name: class on, off",
       "a: all classes on, off",
       "m: next colouring",
       "Down, Up: ceiling lower, higher",

@@ -33,8 +33,8 @@ py::array
 asNumbers(const py::handle& array)
 {
   if (py::hasattr(array, "mask") && py::hasattr(array, "filled"))
-    throw py::value_error("got a masked array, whose mask would be lost: give the "
-                          "values that count, or filled() ones");
+    throw py::value_error("got a masked array, expected one without a mask; use "
+                          "filled() or compressed()");
   py::array any = py::array::ensure(array);
   if (!any)
     return any;
@@ -239,7 +239,7 @@ warnOfSteps(const char* name, const FloatType& type, double distance,
   TextStream text;
   text << name << ": " << type.name << " has steps of " << type.stepAt(distance)
        << " m at " << distance << " m, coarser than a tenth of " << size
-       << ": positions are lost; give doubles (float64)";
+       << ": positions are rounded; give doubles (float64)";
   warn(text.str());
 }
 

@@ -24,7 +24,7 @@ cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
   for (py::ssize_t i = 0; i < points; ++i)
     if (numbers.at(i) < 0)
       badParameter("cliques hold ", numbers.at(i), " at point ", i,
-                   ", expected 0 or more: 0 = none (where others write -1, add 1)");
+                   ", expected 0 or more, 0 = none; if -1 means none, add 1");
     else if (numbers.at(i) != 0)
       cliques[numbers.at(i)].indices.push_back(pcl::index_t(i));
   std::vector<pcl::PointIndices> result;
@@ -39,7 +39,7 @@ warnOfNoReturns(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
   const std::size_t count = countNoReturns(cloud);
   if (count > 0)
     warn(std::to_string(count) +
-         " points at exactly 0 0 0 are taken for no return and passed over");
+         " points at exactly 0 0 0 count as no return and are ignored");
 }
 
 CliqueGenerator::Ptr
@@ -62,7 +62,7 @@ setLabels(const Array<std::int64_t>& labels, int classes,
     largest = std::max(largest, int(cloud[i].label));
   }
   if (largest == 255 && classes == 0)
-    warn("labels hold 255, which is taken for a class: where it means none, give 0");
+    warn("labels hold 255, which counts as a class; if it means none, give 0");
   return largest;
 }
 

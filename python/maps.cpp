@@ -298,15 +298,15 @@ public:
     if (!camera_)
       badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
     if (isForked()) // it would wait for threads of OpenCV
-      badParameter("stereo pairs cannot be computed in a process that fork() has made "
-                   "since the module was loaded: have multiprocessing spawn it");
+      badParameter(
+          "stereo pairs cannot be computed in a process that was forked after the "
+          "module was loaded; use the start method spawn of multiprocessing");
     StereoFrame frame;
     frame.left = imageOf(left, *camera_, "the left image");
     frame.right = imageOf(right, *camera_, "the right image");
     if (probabilities.is_none())
-      badParameter(
-          "probabilities are None, expected those of the left image: process() "
-          "takes clouds without");
+      badParameter("probabilities are None, expected those of the left image; only "
+                   "process() takes clouds without probabilities");
     const LabelDistributions distributions =
         distributionsOf(probabilities, py::ssize_t(camera_->width) * camera_->height);
     warnOfFault(checkPair(frame.left, frame.right));
@@ -400,13 +400,13 @@ bindMaps(py::module_& module)
   py::class_<Map> map(module, "SemanticVoxelMap",
                       "An occupancy map with labels in a window that moves along.");
   map.def(py::init<const Path&, const py::kwargs&>(), py::arg("label_set"),
-          "label_set: a file, or the name of one that comes along ('kitti11').\n"
-          "Other keywords are parameters of pcl_semantic_map: voxel_size=0.2.")
+          "label_set: a file, or the name of an installed one ('kitti11').\nOther "
+          "keywords are parameters of pcl_semantic_map: voxel_size=0.2.")
       .def("integrate", &Map::integrate, py::arg("points"), py::arg("pose"),
            py::kw_only(), py::arg("probabilities") = py::none(),
            py::arg("colours") = py::none(),
-           "Takes in one scan: N x 3 points in the sensor's frame [m] and its pose,\n"
-           "4 x 4. Returns counts.")
+           "Adds one scan: N x 3 points in the sensor's frame [m] and its pose,\n4 x "
+           "4. Returns counts.")
       .def("move_window", &Map::moveWindow, py::arg("centre"),
            "Moves the window without a scan, for labels() of a loaded map.");
   bindReading(map);
@@ -417,8 +417,9 @@ bindMaps(py::module_& module)
       },
       py::arg("path"), "The map of an archive, in memory; the file stays as it is.");
 
-  py::class_<Mapper> mapper(module, "SemanticMapper",
-                            "The whole pipeline: frames go in, a refined map grows.");
+  py::class_<Mapper> mapper(
+      module, "SemanticMapper",
+      "The whole pipeline: maps frames and refines the map with a CRF.");
   mapper
       .def(py::init<const Path&, const std::optional<std::vector<double>>&,
                     const py::kwargs&>(),
@@ -429,12 +430,11 @@ bindMaps(py::module_& module)
       .def("process", &Mapper::process, py::arg("points"), py::arg("pose"),
            py::kw_only(), py::arg("probabilities") = py::none(),
            py::arg("colours") = py::none(),
-           "Takes in a cloud. Returns counts, and the voxels of the window after it.")
+           "Adds a cloud. Returns counts, and the voxels of the window after it.")
       .def("process_pair", &Mapper::processPair, py::arg("left"), py::arg("right"),
            py::arg("pose"), py::arg("probabilities"),
-           "Takes in a rectified stereo pair (H x W, or x 3 red green blue), the pose "
-           "of\n"
-           "the left camera and H W x L probabilities of the left image's pixels.")
+           "Adds a rectified stereo pair (H x W, or x 3 red green blue), the pose "
+           "of\nthe left camera and H W x L probabilities of the left image's pixels.")
       .def("finish", &Mapper::finish,
            "Refines the last frame, if the CRF has not seen it.");
   bindReading(mapper);

@@ -168,7 +168,7 @@ class Map(unittest.TestCase):
         voxel_map = pcl_semantic.SemanticVoxelMap(LABEL_SET)
         for message, arguments in [
                 ("4 x 4", (np.zeros((2, 3)), np.eye(3))),
-                ("no rotation", (np.zeros((2, 3)), np.diag([2.0, 2, 2, 1]))),
+                ("not a rotation", (np.zeros((2, 3)), np.diag([2.0, 2, 2, 1]))),
                 ("N x 3", (np.zeros((2, 2)), np.eye(4)))]:
             with self.assertRaisesRegex(ValueError, message):
                 voxel_map.integrate(*arguments)

@@ -39,11 +39,11 @@ parse(int argc, char** argv)
   parseCommandLine(
       argc, argv, usage,
       {{"output", required(options.output),
-        "folder to write, also as the first argument"},
+        "output folder, also as the first argument"},
        {"frames", withDefault(options.frames), "number of frames, 0.85 m apart"},
        {"size", withDefault(options.size), "size of the images, WIDTHxHEIGHT [px]"},
        {"seed", withDefault(options.seed),
-        "number of the street; the same seed gives the same bytes"},
+        "random seed of the street; equal seeds give equal bytes"},
        {"label-noise", withDefault(options.label_noise),
         "fraction of wrong labels, 0 (nearly perfect) to 1"}},
       {"output"});

@@ -26,7 +26,7 @@ struct Video {
     if (!(count >= 1.0 && count <= kMaxFrameNumber + 1.0) ||
         !(rate > 0.0 && rate <= 1e4))
       fail<BadInputException>(path, ": states ", count, " frames, ", rate,
-                              " a second: no whole video");
+                              " a second, expected a complete video");
     frames = std::size_t(count);
   }
 

@@ -73,12 +73,12 @@ hasWord(const std::string& name, const Words& words)
 // Warns of one field whose name resembles a missing one, and suggests the spelling.
 void
 doubtOfLookalike(const std::string& path, const char* what, const Words& words,
-                 const std::string& understood, PcdTable& table)
+                 const std::string& expected_names, PcdTable& table)
 {
   for (const pcl::PCLPointField& field : table.fields)
     if (hasWord(field.name, words))
       return addDoubt(table, path + ": field '" + field.name + "' is not read as " +
-                                 what + "; understood are " + understood);
+                                 what + "; expected " + expected_names);
 }
 
 std::vector<std::uint8_t>
@@ -366,17 +366,18 @@ addColours(const std::string& path, PcdTable& table)
   if (table.find("rgb") >= 0 || table.find("rgba") >= 0)
     return;
   const auto channels = colourChannels(table);
-  const std::string understood = "rgb or rgba of four bytes, red green blue or r g b "
-                                 "(0 to 255, 0 to 65535, or floats 0 to 1)";
+  const std::string expected_names =
+      "rgb or rgba of four bytes, red green blue or r g b "
+      "(0 to 255, 0 to 65535, or floats 0 to 1)";
   if (!channels)
     return doubtOfLookalike(path, "colour",
                             {"red", "green", "blue", "rgb", "rgba", "bgr", "bgra",
                              "hsv", "color", "colour", "colors", "colours"},
-                            understood, table);
+                            expected_names, table);
   const auto scale = scaleOf(*channels, table.points());
   if (!scale)
     return addDoubt(table, path + ": field '" + (*channels)[0].field().name +
-                               "' is not read as colour; understood are " + understood);
+                               "' is not read as colour; expected " + expected_names);
   std::vector<std::uint32_t> colours(table.points(), 0xFF);
   std::size_t too_bright = 0;
   for (const PcdColumn& channel : *channels)
@@ -388,9 +389,10 @@ addColours(const std::string& path, PcdTable& table)
           (std::isnan(value) ? 0u : std::uint8_t(std::lround(std::min(value, 255.0))));
     }
   if (too_bright > 0)
-    addDoubt(table, path + ": field '" + (*channels)[0].field().name +
-                        "': " + std::to_string(too_bright) +
-                        " of its colours from 0 to 1 are above 1 and taken for 1");
+    addDoubt(table,
+             path + ": field '" + (*channels)[0].field().name +
+                 "': " + std::to_string(too_bright) +
+                 " of its colours are above 1, expected 0 to 1; 1 is used for them");
   table.setColumn("rgba", colours);
 }
 

@@ -265,7 +265,7 @@ private:
     addDoubt(result_.table, path_ + ": field '" + table_.label_source +
                                 "' is not read as labels: not all are 0 to " +
                                 std::to_string(largest) +
-                                ", which a label mapping would make of them");
+                                "; a label mapping can convert them");
     result_.table.label_source.clear();
     result_.table.removeColumns("label");
     readLabels(); // from the probabilities, if there are some
@@ -316,7 +316,7 @@ setCliqueColumn(const std::string& path, const std::vector<pcl::PointIndices>& c
       std::uint32_t& entry = numbers[static_cast<std::size_t>(index)];
       if (entry != 0)
         badParameter(path, ": point ", index, " is in cliques ", entry - 1, " and ", c,
-                     ", but a field holds one");
+                     ", expected one");
       entry = c + 1;
     }
   table.setColumn(kCliqueField, numbers);

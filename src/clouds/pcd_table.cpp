@@ -43,7 +43,7 @@ requireBytes(const pcl::PCLPointCloud2& cloud)
   if (cloud.width == 0 || cloud.height == 0)
     return;
   if (cloud.is_bigendian)
-    badParameter("cloud: its bytes are big-endian");
+    badParameter("cloud: got big-endian data, expected little-endian");
   const std::size_t row = std::size_t(cloud.width) * cloud.point_step;
   if (std::size_t(cloud.height) * cloud.row_step > cloud.data.size() &&
       std::size_t(cloud.height) * row <= cloud.data.size())
@@ -107,7 +107,7 @@ PcdTable::PcdTable(const pcl::PCLPointCloud2& cloud)
     field.count = std::max<pcl::uindex_t>(field.count, 1);
     if (!isPcdField(field))
       badParameter("cloud: field '", field.name, "' has type ", int(field.datatype),
-                   " and count ", field.count);
+                   " and count ", field.count, ", expected a field of .pcd");
     if (find(field.name) >= 0)
       badParameter("cloud: has two fields '", field.name, "'");
     // PCL's filters set point_step to 0 if no point is left.
@@ -185,7 +185,7 @@ PcdColumn::PcdColumn(const PcdTable& table, int field)
   if (field < 0 || index >= table.fields.size() || !isPcdField(table.fields[index]) ||
       !isWithin(table.fields[index], table.point_step) || !hasAllData(table))
     badParameter("field ", field, " of ", table.fields.size(),
-                 " is not there, or its data");
+                 " is missing or has no data");
   field_ = table.fields[index];
   size_ = std::size_t(pcl::getFieldSize(field_.datatype));
   first_ = table.points() == 0 ? nullptr : table.data.data() + field_.offset;

@@ -74,12 +74,12 @@ requireOneGrid(const PcdColumn& size, const PcdColumn& origin, std::size_t voxel
         badInput("cloud: field 'origin' of voxel ", i, " is not finite");
     if (size(i) != size(0))
       badInput("cloud: voxel ", i, " has the size ", size(i), " m, voxel 0 ", size(0),
-               " m: they are of two maps");
+               " m, expected voxels of one map");
     for (int axis = 0; axis < 3; ++axis)
       if (origin(i, axis) != origin(0, axis))
         badInput("cloud: voxel ", i, " has the origin ", origin(i, 0), " ",
                  origin(i, 1), " ", origin(i, 2), ", voxel 0 ", origin(0, 0), " ",
-                 origin(0, 1), " ", origin(0, 2), ": their clouds are of two maps");
+                 origin(0, 1), " ", origin(0, 2), ", expected voxels of one map");
   }
 }
 

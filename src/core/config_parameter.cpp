@@ -23,7 +23,7 @@ parseInteger(const std::string& text, const std::string& where)
 {
   const double value = parseNumber(text, where);
   if (value != std::floor(value) || std::abs(value) > 1e9)
-    badInput(where, ": '", text, "' is no integer up to 1e9");
+    badInput(where, ": '", text, "', expected an integer up to 1e9");
   return static_cast<int>(value);
 }
 
@@ -33,7 +33,7 @@ parseVector(std::string text, const std::string& where)
   std::replace(text.begin(), text.end(), ',', ' ');
   const std::vector<double> numbers = parseNumbers(text, where);
   if (numbers.size() != 3)
-    badInput(where, ": '", text, "' is no X,Y,Z triple");
+    badInput(where, ": '", text, "', expected three numbers X,Y,Z");
   return {numbers[0], numbers[1], numbers[2]};
 }
 

@@ -36,7 +36,7 @@ void
 requireClasses(Eigen::Index classes)
 {
   if (classes < 1 || classes > 255)
-    badParameter("distributions need 1 to 255 classes, not ", classes);
+    badParameter("distributions have ", classes, " classes, expected 1 to 255");
 }
 
 // e^x for x <= 0 with relative error 2e-7; 0 below -87. Without call and branch, so

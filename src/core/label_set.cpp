@@ -14,7 +14,7 @@ namespace pcl_semantic {
 LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes))
 {
   if (classes_.empty() || classes_.size() > 255)
-    badParameter("a label set needs 1 to 255 classes, not ", classes_.size());
+    badParameter("the label set has ", classes_.size(), " classes, expected 1 to 255");
   std::set<std::string> names;
   constexpr std::size_t longest = 100;
   for (const LabelClass& c : classes_) {
@@ -66,8 +66,9 @@ ColourMapping::ColourMapping(const LabelSet& label_set)
     const LabelClass& each = label_set[Label(label)];
     const auto [other, is_new] = labels_.emplace(each.colour, Label(label));
     if (!is_new)
-      badParameter("'", label_set[other->second].name, "' and '", each.name,
-                   "' of the label set have one colour");
+      badParameter(
+          "'", label_set[other->second].name, "' and '", each.name,
+          "' of the label set have the same colour, expected different colours");
   }
   labels_.emplace(label_set[kUnlabelled].colour, kUnlabelled);
 }
@@ -129,12 +130,12 @@ textOfLacking(const LabelMapping& mapping, const std::string& name,
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   TextStream text;
   text << "label mapping " << name << " lacks " << numbers.size()
-       << " of the numbers: ";
+       << " numbers of the input: ";
   constexpr std::size_t most = 5;
   for (std::size_t i = 0; i < std::min(most, numbers.size()); ++i)
     text << (i > 0 ? ", " : "") << numbers[i].first << " (" << numbers[i].second
          << (i > 0 ? ")" : " " + unit + ")");
-  text << (numbers.size() > most ? ", ...: " : ": ") << "taken as unlabelled";
+  text << (numbers.size() > most ? ", ...: " : ": ") << "they count as unlabelled";
   return text.str();
 }
 

@@ -52,8 +52,9 @@ doubtOfSteps(const Eigen::Matrix3Xf& positions, const Eigen::Vector3d& origin,
   if (spacing > 0.0f)
     text << "about " << spacing << " m apart";
   else
-    text << "mostly on one another";
-  text << ": positions are lost; store x y z as doubles, or take an origin off first";
+    text << "mostly at equal positions";
+  text
+      << ": positions are rounded; store x y z as doubles, or subtract an origin first";
   return text.str();
 }
 

@@ -19,7 +19,7 @@ requireRigid(const Eigen::Isometry3d& pose, const std::string& name)
   const Eigen::Matrix3d R = pose.linear();
   constexpr double tolerance = 1e-3;
   if (!(R.transpose() * R).isIdentity(tolerance) || R.determinant() < 0.0)
-    badInput(name, " is no rotation and translation");
+    badInput(name, " is not a rotation and translation");
 }
 
 } // namespace pcl_semantic

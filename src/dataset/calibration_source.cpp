@@ -34,8 +34,8 @@ CalibrationSource::find(const Keys& keys) const
     if (!map.has(key))
       continue;
     if (!found.empty())
-      badInput(map.where(key), ": '", key, "' is '", found,
-               "' once more, expected one of them");
+      badInput(map.where(key), ": '", key, "' repeats '", found,
+               "', expected one of them");
     found = key;
   }
   return found;
@@ -119,7 +119,7 @@ nearestRotation(const Eigen::Matrix3d& R, const std::string& where, Doubts& doub
     badInput(where, ": is no rotation (determinant ", R.determinant(),
              ", R R^T is off by ", deviation, ")");
   if (deviation > 1e-4)
-    doubts.push_back(where + ": was not quite a rotation and made one");
+    doubts.push_back(where + ": was not exactly a rotation and was corrected");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU |
                                                      Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();

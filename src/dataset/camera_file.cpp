@@ -276,7 +276,8 @@ readCameraSize(const CalibrationSource& source)
                found.front().first, "' says ", textOf(found.front().second));
     // Drivers without a calibration write zeros.
     if (size != Size(0, 0) && (size.first < 2 || size.second < 2))
-      badInput(source.path, ": the image size is ", textOf(size), " pixels");
+      badInput(source.path, ": the image size is ", textOf(size),
+               " pixels, expected 2 x 2 or more");
   }
   return found.empty() ? Size(0, 0) : found.front().second;
 }
@@ -285,7 +286,7 @@ int
 wholePixels(double number, const std::string& where)
 {
   if (!(number >= 2.0 && number <= 1e6 && number == std::floor(number)))
-    badInput(where, ": is ", number, ", expected a number of pixels");
+    badInput(where, ": is ", number, ", expected 2 to 1e6 pixels");
   return int(number);
 }
 

@@ -64,8 +64,8 @@ requireFrameOfSensor(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
     }
   if (2 * far > seen)
     badInput(path, ": ", far, " of ", seen, " points are more than ", farthest,
-             " m from its zero, as in the world's frame: expected the sensor's, from "
-             "where the poses move them");
+             " m from the origin, as in the world frame; expected points in the sensor "
+             "frame, which the poses move into the world");
 }
 
 LabelDistributions

@@ -16,15 +16,14 @@ void
 doubtPair(CameraFile& file)
 {
   if (file.R && !file.R->isIdentity(1e-6))
-    file.doubts.push_back(file.path +
-                          (file.isRectified()
-                               ? ": has no distortion, so that its images are taken as "
-                                 "rectified by R: P is used, K is not"
-                               : ": R is not used: it turns the images of a pair"));
+    file.doubts.push_back(
+        file.path + (file.isRectified() ? ": has R but no distortion: its images count "
+                                          "as rectified, so P is used instead of K"
+                                        : ": R is not used: it rectifies a pair"));
   if (file.P && !file.P->col(3).isZero(0.0))
     file.doubts.push_back(file.path +
-                          ": P says that this camera is not the left one of its pair: "
-                          "that is not used, the camera is where the poses say");
+                          ": P is of a camera that is not the left one of its pair; "
+                          "its offset is not used, poses are those of this camera");
 }
 
 } // namespace

@@ -60,9 +60,9 @@ cameraOf(const StereoRig& rig, const Rectification& result)
       rig.width, rig.height};
   const double scale = camera.fx / rig.K1(0, 0);
   if (!(scale < kScale && scale > 1.0 / kScale))
-    fail<InvalidParameterException>(
-        "rectified images would be those of a focal length of ", camera.fx,
-        " px instead of ", rig.K1(0, 0), " px: K, D, R or T cannot be right");
+    fail<InvalidParameterException>("rectified images would have a focal length of ",
+                                    camera.fx, " px instead of ", rig.K1(0, 0),
+                                    " px; check K, D, R and T");
   camera.validate();
   return camera;
 }
@@ -83,9 +83,9 @@ requireUsable(const cv::Mat2s& whole, const char* name)
       ++all;
     }
   if (usable < kUsable * all)
-    fail<InvalidParameterException>(
-        "only ", 100 * usable / std::max(all, 1), " % of the ", name,
-        " image can be rectified: K, D, R or T cannot be right");
+    fail<InvalidParameterException>("only ", 100 * usable / std::max(all, 1),
+                                    " % of the ", name,
+                                    " image can be rectified; check K, D, R and T");
 }
 
 } // namespace

@@ -64,8 +64,8 @@ requireScale(double scale)
     badParameter("depth scale is ", scale, ", expected 0 or more");
   if (scale > 0.0 && scale < 1.0)
     badParameter("depth scale is ", scale,
-                 ", expected the number that stands for a metre: ", 1.0 / scale,
-                 " if a number stands for ", scale, " m");
+                 ", expected the value of 1 m in the depth images: ", 1.0 / scale,
+                 " if the unit is ", scale, " m");
 }
 
 // Median of the valid depths.
@@ -99,7 +99,7 @@ doubtOfScale(double median, double scale)
   };
   for (const double other : {1000.0, 5000.0, 256.0, 10000.0, 100.0})
     if (isLikely(other)) {
-      text << "; " << other << " would make it " << median / other << " m";
+      text << "; " << other << " would give " << median / other << " m";
       break;
     }
   return text.str();
@@ -159,7 +159,7 @@ RgbdSequence::findFolders(const std::string& folder)
   const std::size_t depths = findFiles(folder + "/depth", imageExtensions()).size();
   if (depths > frames_.size())
     doubts_.push_back(folder + "/depth: " + std::to_string(depths - frames_.size()) +
-                      " of its images have no colour image in rgb and are left out");
+                      " of its images have no colour image in rgb and are ignored");
 }
 
 std::vector<std::string>

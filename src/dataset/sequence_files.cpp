@@ -24,13 +24,13 @@ void
 SequenceFiles::validate() const
 {
   if (!hasFiles() && folder.empty())
-    badParameter("the SEQUENCE is missing, or --left, --right and --calibration");
+    badParameter("expected a SEQUENCE, or --left, --right and --calibration");
   if (!hasFiles())
     return;
   for (const auto& [input, value] : inputs())
     if (input != "sequence" && !folder.empty())
-      badParameter("both a SEQUENCE ('", folder, "') and --", input,
-                   "; patterns need quotes");
+      badParameter("got both a SEQUENCE ('", folder, "') and --", input,
+                   ", expected one of them; patterns need quotes");
   for (const auto& [input, value] :
        {std::pair("left", &files.left), std::pair("right", &files.right),
         std::pair("calibration", &files.calibration)})
@@ -62,13 +62,13 @@ parametersOf(SequenceFiles& files)
            &files.files.left},
           {"right", "right images, one for each left image", &files.files.right},
           {"calibration",
-           "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
-           "camchain, the left camera_info of ROS or sensor.yaml of EuRoC (.yaml, "
+           "calibration of --left and --right: OpenCV stereoCalibrate, Kalibr "
+           "camchain, ROS camera_info or EuRoC sensor.yaml of the left camera (.yaml, "
            ".yml), KITTI or Middlebury (.txt)",
            &files.files.calibration},
           {"extrinsics",
-           "file with R and T, if they are not in --calibration; of ROS and EuRoC that "
-           "of the right camera (.yaml)",
+           "file with R and T, if --calibration has none (.yaml); for ROS and EuRoC "
+           "the file of the right camera",
            &files.files.extrinsics},
           {"times", "time stamps of the images, one per line [s] (default: 10 Hz)",
            &files.files.times},
@@ -86,8 +86,9 @@ openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
   if (are_videos && open_videos)
     return open_videos(files.files);
   if (are_videos)
-    badParameter(files.files.left,
-                 ": is a video, which pcl_semantic_live --every-frame maps");
+    badParameter(
+        files.files.left,
+        ": is a video, expected images; pcl_semantic_live --every-frame maps videos");
   if (!files.hasFiles())
     return std::make_unique<KittiSequence>(files.folder);
   auto pairs = std::make_unique<ImagePairSequence>(files.files);

@@ -217,8 +217,9 @@ readAnyRig(const std::string& path, const std::string& extrinsics_path)
   const CalibrationSource source = CalibrationSource::load(path);
   if (source.map.isMap("cam0")) {
     if (!extrinsics_path.empty())
-      badInput(source.path, ": is a camchain, which has its extrinsics; ",
-               extrinsics_path, " is one too many");
+      badInput(source.path,
+               ": is a camchain with extrinsics, expected no second file; omit ",
+               extrinsics_path);
     return readKalibrRig(source);
   }
   if (!isYamlCamera(source))

@@ -22,8 +22,7 @@ parseClique(const std::string& text, std::size_t points, const std::string& wher
     pcl::index_t index = 0;
     if (!parseWhole(word, index) || index < 0 || std::size_t(index) >= points)
       badInput(where, ": ", inQuotes(word),
-               " is not the index of a point, expected a number from 0, below ",
-               points);
+               ", expected a point index from 0, less than ", points);
     clique.indices.push_back(index);
   }
   std::sort(clique.indices.begin(), clique.indices.end());

@@ -64,8 +64,8 @@ whyRemoved(const std::string& name)
   const auto removed = removed_parameters.find(name);
   if (removed == removed_parameters.end())
     return {};
-  return removed->second.empty() ? "had no effect, removed"
-                                 : "is " + removed->second + " now";
+  return removed->second.empty() ? "was removed, it had no effect"
+                                 : "was renamed to " + removed->second;
 }
 
 void

@@ -79,7 +79,8 @@ filesIn(const std::string& folder, const std::vector<std::string>& extensions)
     const auto [other, is_new] = files.emplace(path.stem().string(), path.string());
     if (!is_new)
       badInput(folder, ": holds ", fs::path(other->second).filename().string(), " and ",
-               path.filename().string(), "; a pattern says which: '", folder, "/*",
+               path.filename().string(),
+               ", expected one kind of file; select one by a pattern: '", folder, "/*",
                extension, "'");
   }
   if (error)

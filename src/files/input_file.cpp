@@ -72,8 +72,8 @@ readBytes(const std::string& path)
   constexpr std::string_view pointer = "version https://git-lfs.github.com/spec/";
   if (bytes.size() > pointer.size() &&
       std::equal(pointer.begin(), pointer.end(), bytes.begin()))
-    badInput(path, ": is a pointer of Git LFS, not the file itself: git lfs pull "
-                   "fetches it");
+    badInput(path,
+             ": is a Git LFS pointer, expected the file; git lfs pull fetches it");
   return bytes;
 }
 

@@ -25,7 +25,7 @@ readClass(const YamlMap& entry)
     badInput(entry.where("colour"), ": expected [red, green, blue]");
   for (int channel = 0; channel < 3; ++channel) {
     if (colour[channel] < 0 || colour[channel] > 255)
-      badInput(entry.where("colour"), ": ", colour[channel], " is not within 0 to 255");
+      badInput(entry.where("colour"), ": got ", colour[channel], ", expected 0 to 255");
     result.colour[channel] = static_cast<std::uint8_t>(colour[channel]);
   }
   entry.get("sky", result.sky);
@@ -82,7 +82,7 @@ setIds(const YamlMap& map, const std::string& key, Label label, LabelMapping& ma
 {
   for (const int id : map.require<std::vector<int>>(key)) {
     if (id < 0 || id > 65535)
-      badInput(map.where(key), ": id ", id, " is not within 0 to 65535");
+      badInput(map.where(key), ": id is ", id, ", expected 0 to 65535");
     if (mapping.has(static_cast<std::uint32_t>(id)))
       badInput(map.where(key), ": id ", id, " is there twice");
     mapping.set(static_cast<std::uint32_t>(id), label);

@@ -91,8 +91,8 @@ refuseOtherFormats(const std::string& path)
       boost::algorithm::to_lower_copy(fs::path(path).extension().string());
   const std::string bytes = firstBytes(path);
   if (begins(bytes, "version https://git-lfs.github.com/spec/"))
-    badInput(path, ": is a pointer of Git LFS, not the cloud itself: git lfs pull "
-                   "fetches it; .pcd, .ply and .bin are read");
+    badInput(path, ": is a Git LFS pointer, expected .pcd, .ply or .bin; git lfs pull "
+                   "fetches the file");
   if (begins(bytes, "# .PCD") || begins(bytes, "VERSION"))
     return; // regardless of its name
   const auto refuse = [&](const Format& format) {

@@ -117,13 +117,13 @@ private:
     for (const PlyType& each : kPlyTypes)
       if (type == each.name || type == each.other_name) {
         if (!isPcdField({name, 0, each.datatype, 1}) || !names_.insert(name).second)
-          refuse("property ", inQuotes(name), " has no name, or one that is taken");
+          refuse("property ", inQuotes(name), " has an empty or repeated name");
         if (names_.size() > kMaxPcdPointSize / sizeof(double))
           refuse("too many properties");
         header_.table.addField(name, each.datatype);
         return;
       }
-    refuse("property of type ", inQuotes(type), ", expected a scalar one of vertices");
+    refuse("property of type ", inQuotes(type), ", expected a scalar type");
   }
 
   PcdHeader

@@ -113,8 +113,8 @@ doubtsOfWay(const Trajectory& poses, PoseFrame frame)
   std::vector<std::string> doubts;
   constexpr double highest_room = 10.0, longest_step = 30.0; // [m]
   if (highest - lowest > highest_room && climbed > 0.4 * way)
-    doubts.push_back("the way climbs as a road does not: expected poses in a world "
-                     "with z up, or of camera 0 with y down");
+    doubts.push_back("the path climbs more steeply than a road: expected poses in a "
+                     "world with z up, or of camera 0 with y down");
   constexpr double around_the_earth = 4e7; // [m]; maps refuse poses beyond it
   if (!steps.empty() && medianOf(steps) > longest_step &&
       medianOf(steps) < around_the_earth) {

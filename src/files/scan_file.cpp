@@ -121,11 +121,12 @@ checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
     badInput(path, ": does not look like ", textOf(columns), ", but like ",
              hintOf(others));
   else if (!is_known && layout.isAbsurd(count))
-    badInput(path, ": its positions cannot be metres, expected float32 ",
-             textOf(columns), "; other columns are named with --scan-columns");
+    badInput(path,
+             ": positions are too large or too small for metres, expected float32 ",
+             textOf(columns), "; name other columns with --scan-columns");
   else if (!is_known && layout.isSigned(count, 3))
     badInput(path, ": holds negative intensities, expected float32 ", textOf(columns),
-             "; other columns are named with --scan-columns");
+             "; name other columns with --scan-columns");
 }
 
 } // namespace

@@ -39,10 +39,10 @@ struct Repairs {
         std::size_t poses) const
   {
     if (count > 0 && doubts)
-      doubts->push_back(path + ": " + std::to_string(count) + " of " +
-                        std::to_string(poses) +
-                        " poses were not quite rigid and made so, the first in line " +
-                        std::to_string(first_line));
+      doubts->push_back(
+          path + ": " + std::to_string(count) + " of " + std::to_string(poses) +
+          " poses were not exactly rigid and were corrected, the first in line " +
+          std::to_string(first_line));
   }
 };
 
@@ -79,7 +79,8 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
   const std::string where = atLine(path, line.number);
   if (line.text.empty() || isComment(line.text))
-    badInput(where, ": holds no pose, but a later line does (every frame has its row)");
+    badInput(where,
+             ": is empty, but a later line has a pose; expected one row per frame");
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 12)
     badInput(where, ": has ", numbers.size(), " numbers, expected 12 (a 3 x 4 pose)");
@@ -130,7 +131,7 @@ refuseOtherTrajectories(const std::string& text, const std::string& path, int nu
 {
   if (text.find(',') != std::string::npos)
     badInput(atLine(path, number), ": has commas, ", expected_numbers,
-             "; EuRoC's: evo_traj euroc ", path, " --save_as_tum");
+             "; convert EuRoC files: evo_traj euroc ", path, " --save_as_tum");
   const std::size_t first = text.find_first_not_of(" \t");
   if (text.find_first_of("0123456789+-.") != first)
     badInput(atLine(path, number), ": begins with ", inQuotes(text.substr(first, 20)),
@@ -197,7 +198,7 @@ readTumTrajectory(const std::string& path, std::vector<std::string>* doubts)
     if (trajectory.size() > 1 &&
         !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
       badInput(atLine(path, line.number),
-               ": its time is not after that of the pose before");
+               ": time is not later than that of the previous pose");
   }
   if (trajectory.empty())
     badInput(path, ": holds no pose");
@@ -251,7 +252,7 @@ readTimes(const std::string& path)
       badInput(where, ": has ", numbers.size(), " numbers, expected one time [s]");
     const double time = inSeconds(numbers[0]);
     if (!times.empty() && time <= times.back())
-      badInput(where, ": is not later than the time before it");
+      badInput(where, ": is not later than the previous time");
     times.push_back(time);
   }
   return times;

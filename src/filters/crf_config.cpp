@@ -12,7 +12,8 @@ ConfigParameters
 cliqueParametersOf(SemanticCRFParameters& crf)
 {
   return {
-      {"clique_weight", "k_c, cost of a member whose label differs from its clique's",
+      {"clique_weight",
+       "cost k_c of a member whose label differs from its clique's label",
        &crf.clique_weight},
       {"clique_free_label",
        "whether cliques have the free label, eq. (7): true or false", &crf.free_label},
@@ -36,12 +37,12 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
   ConfigParameters parameters = {
       {"crf_iterations", "number of mean-field updates", &crf.iterations},
       {"crf_temperature",
-       "temperature of the resulting probabilities: above 1 they are less sure, labels "
-       "stay",
+       "temperature of the resulting probabilities; above 1 they are less confident, "
+       "labels do not change",
        &crf.temperature},
       {"crf_keep_thin",
-       "whether what was measured as a class marked thin in the label set stays one "
-       "unless much outvoted: true or false",
+       "whether measured labels of classes marked thin in the label set stay unless "
+       "neighbours strongly outvote them: true or false",
        &crf.keep_thin},
       {"crf_kernels",
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
@@ -57,17 +58,19 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
       {"smoothness_weight", "weight of the smoothness kernel (positions)",
        &crf.smoothness_weight},
       {"smoothness_deviation",
-       "its standard deviation [" + unit + "]; 0 = from the distance of the points",
+       "standard deviation of positions in the smoothness kernel [" + unit +
+           "]; 0 = from the distance of the points",
        &crf.smoothness_deviation},
       {"appearance_weight",
-       "weight of the appearance kernel (positions and colours; without colours "
-       "positions alone)",
+       "weight of the appearance kernel (positions and colours; only positions if "
+       "there are no colours)",
        &crf.appearance_weight},
       {"appearance_deviation",
-       "its standard deviation of positions [" + unit +
+       "standard deviation of positions in the appearance kernel [" + unit +
            "]; 0 = from the distance of the points",
        &crf.appearance_deviation},
-      {"colour_deviation", "its standard deviation of colours [grey levels]",
+      {"colour_deviation",
+       "standard deviation of colours in the appearance kernel [grey levels]",
        &crf.colour_deviation}};
   append(parameters, cliqueParametersOf(crf));
   return parameters;
@@ -96,10 +99,10 @@ ConfigParameters
 parametersOf(CRFConfig& config)
 {
   ConfigParameters parameters = {
-      {"crf", "unary, dense, pn-potts or hierarchical",
+      {"crf", "CRF model: unary, dense, pn-potts or hierarchical",
        chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
       {"cliques", config.clique_words, &config.cliques},
-      {"label_confidence", "probability of the class that a label gives",
+      {"label_confidence", "probability of the class of a label",
        &config.label_confidence}};
   append(parameters, parametersOf(config.parameters, config.unit));
   parameters.push_back(

@@ -88,7 +88,7 @@ int
 rowsOf(const LabelDistributions& distributions, int width)
 {
   if (width < 1 || distributions.size() % width != 0)
-    badParameter(distributions.size(), " pixels are no rows of ", width);
+    badParameter("got ", distributions.size(), " pixels, expected rows of ", width);
   return int(distributions.size() / width);
 }
 

@@ -30,7 +30,8 @@ ImageCRF::setSegments(const cv::Mat& segments)
 {
   const int type = segments.type();
   if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32SC1)
-    badParameter("an image of segments needs one channel of whole numbers");
+    badParameter(
+        "the image of segments has another type, expected one channel of integers");
   if (segments.empty())
     badParameter("the image of segments is empty");
   cv::Mat1i numbers;
@@ -58,7 +59,7 @@ LabelDistributions
 ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
 {
   if (image.type() != CV_8UC3 && image.type() != CV_8UC1)
-    badParameter("the image is of another type than CV_8UC3 or CV_8UC1");
+    badParameter("the image has another type, expected CV_8UC3 or CV_8UC1");
   if (std::size_t(measured.size()) != image.total())
     badParameter("there are label distributions of ", measured.size(),
                  " pixels for an image of ", image.cols, " x ", image.rows);

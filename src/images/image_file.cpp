@@ -180,14 +180,15 @@ readPng(const std::string& path, ImageKind kind, cv::Size size, const std::strin
     badInput(path, ": has ", int(bytes[bit_depth]), " bit(s) a pixel, expected ",
              ruleOf(kind).name);
   if (kind == ImageKind::labels && bytes[colour_type] == palette)
-    badInput(path, ": has a palette, whose colours would be read; expected ",
-             ruleOf(kind).name, ": write its indices as grey");
+    badInput(path, ": has a palette, expected ", ruleOf(kind).name,
+             "; write the palette indices as grey");
   const cv::Mat image = decode(bytes, cv::IMREAD_UNCHANGED);
   if (image.empty())
     badInput(path, ": the PNG image is damaged");
   requireKind(image, kind, path);
   if (image.cols < 2 || image.rows < 2)
-    badInput(path, ": is only ", image.cols, " x ", image.rows, " pixels");
+    badInput(path, ": has ", image.cols, " x ", image.rows,
+             " pixels, expected 2 x 2 or more");
   return image;
 }
 

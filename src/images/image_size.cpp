@@ -94,8 +94,8 @@ requirePlausibleSize(const std::vector<std::uint8_t>& bytes, const std::string& 
   const StatedSize size = statedSize(bytes);                  // of 32 bits each
   if (size.columns != 0 &&
       size.rows > std::max(harmless, most * bytes.size()) / size.columns)
-    badInput(path, ": states ", size.columns, " x ", size.rows, " pixels, which its ",
-             bytes.size(), " bytes cannot hold");
+    badInput(path, ": states ", size.columns, " x ", size.rows,
+             " pixels, which do not fit into its ", bytes.size(), " bytes");
 }
 
 } // namespace pcl_semantic

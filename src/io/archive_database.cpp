@@ -60,8 +60,8 @@ refuseExisting(const std::string& path)
     fail<OutputException>(path, ": is there already");
   for (const char* const ending : {"-wal", "-journal"})
     if (fs::exists(path + ending, error))
-      fail<OutputException>(path + ending, ": is left of an earlier archive of that "
-                                           "name; remove it");
+      fail<OutputException>(path + ending,
+                            ": belongs to an earlier archive of that name; remove it");
 }
 
 // Never replaces a file that another process created meanwhile, where the file system
@@ -252,7 +252,7 @@ ArchiveDatabase::getMeta(const std::string& name,
     content = unseal(row.bytes(0), kMaxMeta);
     ByteReader reader(*content);
     if (reader.getText() != name)
-      badInput("holds something else");
+      badInput("has an entry of another name");
     decode(reader.getRest());
   };
   row.forEachRow([&] { readAt(path() + ": '" + name + "'", read); }, name);
@@ -359,7 +359,7 @@ ArchiveDatabase::integrityFaults()
   });
   if (const int lost = database_.lostCommits(); lost > 0)
     faults.push_back(path() + "-wal lacks " + std::to_string(lost) +
-                     (lost == 1 ? " commit" : " commits") + " that it had");
+                     (lost == 1 ? " commit" : " commits") + " of the archive");
   return faults;
 }
 

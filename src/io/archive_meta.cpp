@@ -219,7 +219,7 @@ readBlockKeys(ArchiveDatabase& database, const ArchiveState& state)
   database.forEachBlockKey([&](const VoxelIndex& index) {
     if (last && !VoxelIndexLess()(*last, index))
       badInput(database.path(), ": is damaged: ", nameOfBlock(index),
-               " is not in its place");
+               " is out of order");
     last = index;
     blocks.insert(index);
   });
@@ -232,8 +232,8 @@ checkBlockKeys(const std::string& path, const BlockIndexSet& blocks,
                const ArchiveState& state)
 {
   if (blocks.size() != state.blocks || blocks.keySum() != state.key_sum)
-    badInput(path, ": is damaged: has ", blocks.size(), " blocks that are not the ",
-             state.blocks, " it was committed with");
+    badInput(path, ": is damaged: has ", blocks.size(), " blocks, expected the ",
+             state.blocks, " blocks of the last commit");
 }
 
 void

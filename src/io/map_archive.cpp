@@ -75,7 +75,7 @@ struct MapArchive::Implementation {
   requireWritable() const
   {
     if (!writable)
-      fail<OutputException>(database.path(), ": is not, or no more, open for writing");
+      fail<OutputException>(database.path(), ": is not open for writing");
   }
 
   // Runs a write. After a failure the transaction may be gone, and a later commit would

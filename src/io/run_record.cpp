@@ -32,7 +32,7 @@ sensorOf(const std::string& description)
   const std::map<std::string, std::string> values = runValues(description);
   const auto pose = values.find("camera_pose");
   if (pose == values.end())
-    badInput("is not of a run: does not say where its sensor is");
+    badInput("has no camera_pose, expected the archive of a run");
   const std::vector<double> numbers = parseNumbers(pose->second, "camera_pose");
   if (numbers.size() != 12)
     badInput("camera_pose has ", numbers.size(), " numbers, expected 12");

@@ -196,29 +196,28 @@ std::string
 SqliteDatabase::faultOfLog(const std::string& log)
 {
   static const char* const remedy =
-      " (if it is lost, an empty file of that name lets the rest be read)";
+      " (if it is lost, create an empty file of that name to read the rest)";
   constexpr int most = 1000; // in one log; FILE is older if it was copied first
   std::error_code error;
   const FileMark file = readMark(connection_); // first: another program may commit
                                                // meanwhile
   const bool has_log = std::filesystem::exists(log, error); // first: SQLite creates one
   if ((file.is(FileMark::with_log) || file.is(FileMark::old_log)) && !has_log)
-    return "lacks " + log + ", which holds what was written last: copy both" + remedy;
+    return "lacks " + log + ", which holds the last commits; copy both" + remedy;
   const FileMark seen = mark();
   if (file.is(FileMark::whole) && !seen.is(FileMark::whole))
-    return "is whole, but beside it lies " + log +
-           " of another archive, which would change it: remove that";
+    return "is complete, but " + log +
+           " is of another archive and would change it; remove that";
   if (!file.is(FileMark::with_log) && !file.is(FileMark::logged))
     return "";
   if (file.is(FileMark::with_log) && seen.is(FileMark::with_log) &&
       std::filesystem::file_size(log, error) > 0)
-    return log + " is damaged: nothing is found in it" + remedy;
+    return log + " is damaged: it has no commit" + remedy;
   const int behind = std::int32_t((file.value - seen.value) << 8) >> 8; // difference of
                                                                         // 24-bit
                                                                         // counters
   if (std::abs(behind) > most || seen.is(FileMark::old_log))
-    return "has beside it " + log + " of another archive, and not its own: copy both" +
-           remedy;
+    return "got " + log + " of another archive, expected its own; copy both" + remedy;
   lost_commits_ = std::max(0, behind);
   return "";
 }
@@ -351,7 +350,7 @@ SqliteDatabase::throwError(int code) const
                           (kind == SQLITE_IOERR ? " (is the disk full?)" : ""));
   if (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY || kind == SQLITE_PERM)
     badInput(path_, ": cannot be read: ", why,
-             " (what a killed run left needs a folder that can be written)");
+             " (the archive of a killed run needs a writable folder)");
   if (kind == SQLITE_NOTADB)
     badInput(path_, ": is no map archive: ", why);
   badInput(path_, ": is damaged: ", why);

@@ -88,15 +88,15 @@ TiledMap::TiledMap(const std::string& path) : path_(path)
     if (words.size() != 4 || !parseWhole(words[0], tile.x) ||
         !parseWhole(words[1], tile.y) || !parseWhole(words[2], its.blocks) ||
         !parseWhole(words[3], its.key_sum))
-      badInput(atLine(path, line.number), ": expected four numbers, of ", tiles,
-               " tiles");
+      badInput(atLine(path, line.number), ": expected four numbers in each row of ",
+               tiles, " tiles");
     blocks += its.blocks;
     its.path = tilePath(path, tile);
     tiles_[tile] = its;
   }
   if (tiles_.size() != tiles || blocks != state_.blocks)
-    badInput(path, ": has other tiles than the ", tiles, " of ", state_.blocks,
-             " blocks that it speaks of");
+    badInput(path, ": has ", tiles_.size(), " tiles of ", blocks, " blocks, expected ",
+             tiles, " of ", state_.blocks);
   if (tiles_.empty())
     badInput(path, ": has no tiles");
   const auto first = open(tiles_.begin()->first);
@@ -113,8 +113,7 @@ TiledMap::open(const MapTile& tile) const
   auto archive = std::make_unique<MapArchive>(its.path, ArchiveAccess::read);
   const ArchiveState state = archive->state();
   if (state.blocks != its.blocks || state.key_sum != its.key_sum)
-    badInput(its.path, ": is not the tile that ", path_,
-             " was written for: has other blocks");
+    badInput(its.path, ": is not the tile that ", path_, " lists: it has other blocks");
   return archive;
 }
 

@@ -99,8 +99,8 @@ void
 VoxelCloudWriter::commit()
 {
   if (missing_ != 0)
-    badParameter("another number of voxels was announced, by ",
-                 static_cast<std::int64_t>(missing_));
+    badParameter("voxel cloud: got ", -static_cast<std::int64_t>(missing_),
+                 " voxels more than announced, expected 0");
   file_.commit();
 }
 

@@ -105,8 +105,8 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions,
   for (const Eigen::Vector3d& position : positions) {
     const Eigen::Array3d cells = (position - grid.corner).array() / grid.size - 0.5;
     if (!((cells - cells.round()).abs() < 0.1).all())
-      badInput(path, ": its points are not the centres of voxels; say "
-                     "how large they are, with --voxel-size");
+      badInput(path,
+               ": points are not voxel centres; give the voxel size with --voxel-size");
   }
   // Aligned as maps of this library, within single precision.
   const Eigen::Array3d first = (grid.corner + origin).array() / grid.size;

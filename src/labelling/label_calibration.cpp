@@ -48,7 +48,7 @@ requireSeen(const LabelCalibration& calibration)
   if (!fits ||
       !(calibration.usual_distance >= 0.0f && calibration.usual_distance <= 1.0f))
     fail<InvalidParameterException>(
-        "calibration: what was seen needs ", calibration.classes(),
+        "calibration: 'seen' needs ", calibration.classes(),
         " fractions at each knot of every curve, and a usual distance of 0 to 1");
 }
 

@@ -125,7 +125,8 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
     fail<InvalidParameterException>(
         "logits: expected 32-bit floats, channels x height x width");
   if (!logits.isContinuous())
-    fail<InvalidParameterException>("logits: a part of an array; clone() it");
+    fail<InvalidParameterException>(
+        "logits: got a part of an array, expected a continuous array; clone() it");
   if (std::size_t(logits.size[0]) != channels.labels.size())
     fail<InvalidParameterException>("logits have ", logits.size[0],
                                     " channels, expected ", channels.labels.size());

@@ -231,7 +231,7 @@ private:
     constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
     for (const std::uint64_t dim : tensor.dims) {
       if (dim > limit || (dim != 0 && elements > limit / dim))
-        refuseContent(subject, "has impossible dimensions");
+        refuseContent(subject, "has negative or too large dimensions");
       elements *= dim;
     }
     const auto type =

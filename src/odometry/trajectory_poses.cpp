@@ -36,7 +36,7 @@ ViewpointPoses::pose(const SensorFrame& frame)
 {
   const auto* const cloud = std::get_if<CloudFrame>(&frame);
   if (!cloud)
-    badParameter("a pair of images brings no pose, as clouds do");
+    badParameter("got a pair of images, expected a cloud, which has a VIEWPOINT");
   if (!cloud->viewpoint.matrix().allFinite())
     badInput("frame ", cloud->number,
              ": VIEWPOINT has the quaternion 0 0 0 0, expected one of length 1");

@@ -32,7 +32,7 @@ setOptions(const YamlMap& map, const std::set<std::string>& other_keys,
     const std::string why = whyRemoved(key);
     if (other_keys.count(key) == 0 && !is_known)
       badInput(map.where(key), ": '", key, "' is no option of a drive: ",
-               why.empty() ? "doc/fleet.md has them" : why);
+               why.empty() ? "doc/fleet.md lists the options" : why);
     if (!is_known)
       continue;
     std::string option = key;

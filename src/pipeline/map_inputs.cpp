@@ -54,8 +54,9 @@ requireClouds(const MapInputs& inputs)
                !sequence.files.right.empty() || sequence.strict,
            "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
   requireTrajectory(inputs, "--clouds");
-  refuseIf(inputs.poses == "viewpoint" && sensor != "own",
-           "--poses viewpoint is for --sensor own, whose own poses the clouds bring");
+  refuseIf(
+      inputs.poses == "viewpoint" && sensor != "own",
+      "--poses viewpoint is for --sensor own: a VIEWPOINT is the pose of the sensor");
   refuseIf(sensor != "own" && sensor != "camera" && sensor != "grey" &&
                sensor != "laser",
            "--sensor is '" + sensor + "', expected own, camera, grey or laser");
@@ -90,10 +91,11 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
         "scan-within"}},
       {!inputs.clouds.empty(), "with --clouds", of_pairs},
       {!inputs.clouds.empty(),
-       "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
+       "with --clouds, which hold their labels (pcl_semantic_label adds labels to "
+       "clouds)",
        {"labels", "network", "model", "engine", "network-every"}},
       {!inputs.hasCamera(),
-       "with --clouds of no camera, which have no images",
+       "with --clouds that are not of a camera",
        {"map-only", "min-hit-ratio", "label-calibration"}},
       {inputs.rgbd.empty(), "without --rgbd", {"depth-scale"}},
       {inputs.clouds.empty() && !inputs.reads_scans,
@@ -150,25 +152,25 @@ parametersOf(MapInputs& inputs)
   ConfigParameters parameters = parametersOf(inputs.sequence);
   const ConfigParameters more = {
       {"clouds",
-       "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or "
-       "pattern of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's "
-       "frame; needs --poses FILE",
+       "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or pattern "
+       "of .pcd, .ply or KITTI .bin files, one per frame, in the sensor frame; needs "
+       "--poses FILE or viewpoint",
        &inputs.clouds},
       {"rgbd",
-       "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ "
-       "and depth/; needs --calibration with the intrinsics (ROS camera_info, "
-       "Kalibr) and --poses FILE, those of the camera in a world with z up",
+       "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ and "
+       "depth/; needs --calibration with the intrinsics (ROS camera_info, Kalibr) and "
+       "--poses FILE with the camera poses in a world with z up",
        &inputs.rgbd},
       {"depth_scale",
-       "number in its depth images that is a metre; 0 = 5000 in TUM's layout, "
-       "else 1000",
+       "value of 1 m in the depth images of --rgbd; 0 = 5000 in TUM's layout, else "
+       "1000",
        &inputs.depth_scale},
       {"scan_columns", kScanColumnsHelp, &inputs.scan_columns},
       {"sensor",
-       "sensor of --clouds: own = any, --poses are its poses in a world with z "
-       "up; or, with --calibration and poses of its camera 0: camera or grey = "
-       "left camera of KITTI's colour or grey pair, laser = KITTI's Tr (default: "
-       "own, or camera with --calibration)",
+       "sensor of --clouds: own = any sensor, --poses has its poses in a world with z "
+       "up; with --calibration, --poses has the poses of camera 0: camera = left "
+       "camera of KITTI's colour pair, grey = left camera of KITTI's grey pair, laser "
+       "= laser scanner at KITTI's Tr (default: own; with --calibration camera)",
        &inputs.sensor},
       {"labels",
        "folder of stored label distributions, one .bin, .npy or .png per frame",
@@ -177,7 +179,8 @@ parametersOf(MapInputs& inputs)
        &inputs.label_set},
       {"label_mapping", kPixelMappingHelp, &inputs.label_mapping},
       {"network", "network description (.yaml)", &inputs.network},
-      {"model", "network (.onnx; default: as its description says)", &inputs.model},
+      {"model", "network (.onnx; default: the file that its description names)",
+       &inputs.model},
       {"engine", kEngineHelp, &inputs.engine},
       {"label_calibration",
        "calibration of the label distributions, see pcl_semantic_calibrate (.yaml)",
@@ -186,11 +189,11 @@ parametersOf(MapInputs& inputs)
        "calibration of the cliques, see pcl_semantic_calibrate --clique-config (.yaml)",
        &inputs.clique_calibration},
       {"poses",
-       "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
-       "estimate them from the images, viewpoint = those in the VIEWPOINT of "
+       "trajectory file (KITTI or TUM) or a source of poses: sequence = poses.txt of "
+       "SEQUENCE, odometry = estimated from the images, viewpoint = VIEWPOINT of "
        "--clouds, auto = poses.txt if there is one, else odometry",
        &inputs.poses},
-      {"frames", "A:B = frames with numbers A <= n < B", &inputs.frames}};
+      {"frames", "A:B = frames with numbers A <= n < B; : = all", &inputs.frames}};
   parameters.insert(parameters.end(), more.begin(), more.end());
   return parameters;
 }

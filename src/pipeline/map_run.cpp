@@ -80,9 +80,9 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
   run_.config = config;
   run_.config.validate();
   if (!isLive() && !outputs_.archive.path.empty() && inputs_.has_odometry)
-    badParameter("--archive needs poses from a file: odometry cannot go on where a run "
-                 "was killed; write them with pcl_semantic_odometry and give them with "
-                 "--poses");
+    badParameter(
+        "--archive needs poses from a file: odometry cannot resume a killed run; write "
+        "poses with pcl_semantic_odometry and give them with --poses");
   requireLabels();
   setExtras();
   inputs_.poses->requirePoses(inputs_.source->frames());
@@ -129,7 +129,7 @@ MapRun::doubtDistance(const MappedFrame& mapped)
   has_doubted_distance_ = true;
   TextStream text;
   text << "frame " << mapped.frame.number << " is " << std::round(distance)
-       << " m from the one before it: are its poses those of these frames, in metres?";
+       << " m from the one before it: are the poses in metres, and of these frames?";
   doubt(text.str());
 }
 
@@ -188,7 +188,7 @@ MapRun::setExtras()
   if (!run_.camera && (extras_.depth || extras_.probabilities))
     badParameter("--also depth and probabilities are for frames of a camera");
   if (!run_.camera && extras_.measured && !extras_.scan)
-    badParameter("--also measured of clouds without a camera needs scans, too");
+    badParameter("--also measured of clouds without a camera also needs scans");
 }
 
 // Difference between a mapped frame and the same frame now. For a network, its files
@@ -250,7 +250,7 @@ MapRun::isMade()
     made.fault = changeSince(made.frames);
   if (made.fault.empty())
     return made.is_finished;
-  observer_.onNote(path + ": is made anew: " + made.fault);
+  observer_.onNote(path + ": is mapped again: " + made.fault);
   removeArchive(path);
   return false;
 }
@@ -312,9 +312,9 @@ MapRun::run()
   is_empty_ = records.empty();
   const std::string change = changeSince(records);
   if (!change.empty())
-    badInput(outputs_.archive.path, ": holds ", change,
-             " as it was, which is another one now: put the old data back, or begin "
-             "with another archive");
+    badInput(outputs_.archive.path, ": ", change,
+             " changed since the archived run; restore the old data, or use another "
+             "archive");
   inputs_.source->seek(frames_before_);
   makeMapper(archive.store());
   std::optional<MappingOutput> output;
@@ -363,14 +363,14 @@ MapRun::finish(MappingArchive& archive, MappingOutput* output, bool is_whole)
     for (const auto& [input, value] : run_.inputs)
       if (input == "label_calibration")
         text << value;
-    text << ": was learned from other streets than this one (domain shift "
+    text << ": was learned from data unlike this sequence (domain shift "
          << output->domainShift()
          << ", expected at most 1): compare the map with one without it";
     doubt(text.str());
   }
   if (!archive.close())
     doubt(outputs_.archive.path + ": is being read by another program: " +
-          outputs_.archive.path + "-wal still belongs to it");
+          outputs_.archive.path + "-wal is kept until then");
   doubtMapping();
 }
 

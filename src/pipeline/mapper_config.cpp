@@ -54,49 +54,49 @@ parametersOf(MapperConfig& config)
 {
   FusionParameters& fusion = config.map.fusion;
   ConfigParameters parameters = {
-      {"stereo", "engine: " + joinWords(disparityEngines()), &config.stereo},
-      {"disparities", "range of the disparity search, a multiple of 64 [px]",
+      {"stereo", "stereo engine: " + joinWords(disparityEngines()), &config.stereo},
+      {"disparities",
+       "range of the disparity search, a multiple of 64 (elas, sgbm: 16) [px]",
        &config.disparities},
-      {"max_deviation",
-       "discard disparities whose standard deviation exceeds this [px]; 0 = keep all",
+      {"max_deviation", "maximum standard deviation of a disparity [px]; 0 = keep all",
        &config.max_deviation},
       {"deviation_scale",
-       "do not clear space within two standard deviations of a depth, times this; 0 = "
-       "clear up to the depth",
+       "scale of depth deviations; a ray clears no space within two scaled standard "
+       "deviations of its depth; 0 = clear up to the depth",
        &config.deviation_scale},
       {"min_hit_ratio",
-       "minimum fraction of the pixels whose rays reach a voxel that must hit it, "
+       "minimum fraction of hits among the pixels that hit a voxel or see through it, "
        "against foreground fattening; 0 = off",
        &config.min_hit_ratio},
-      {"label_confidence", "probability of the class that a .png of --labels gives",
+      {"label_confidence", "probability of the class in a .png of --labels",
        &config.label_confidence},
       {"network_every",
-       "use the labels of the first frame and of every N-th after it; the others bring "
-       "depth and colour alone",
+       "use the labels of the first frame and of every N-th after it; other frames add "
+       "only depth and colour",
        &config.network_every},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window",
-       "extent of the window around the sensor: X,Y,Z, world axes [m]; 0,0,0 = as far "
-       "as max_depth reaches, at most 24 m high",
+       "extent X,Y,Z of the window around the sensor, along the world axes [m]; 0,0,0 "
+       "= max_depth + 2 m in each direction, at most 24 m high",
        &config.map.window},
       {"max_depth", "maximum depth of a hit [m]; pixels beyond it only clear space",
        &config.map.max_range},
-      {"hit_probability", "probability of being occupied, given a hit",
+      {"hit_probability", "occupancy probability of a voxel, given a hit",
        &fusion.hit_probability},
-      {"miss_probability", "probability of being occupied, given a ray that passes",
+      {"miss_probability", "occupancy probability of a voxel, given a miss",
        &fusion.miss_probability},
       {"min_probability", "lower bound of the occupancy probability",
        &fusion.min_probability, "0.03"},
       {"max_probability", "upper bound of the occupancy probability",
        &fusion.max_probability, "0.97"},
-      {"occupied_probability", "a voxel is occupied at this probability or above",
+      {"occupied_probability", "minimum occupancy probability of an occupied voxel",
        &fusion.occupied_probability, "0.5"},
       {"clearing",
-       "what of a ray clears space: none of it, full, or careful: not its end, where "
-       "it may run along the surface that it meets",
+       "part of a ray that clears space: none, full, or careful = without its end, "
+       "where it may graze the surface that it hits",
        chooseFrom(fusion.clearing, {"none", "full", "careful"})},
       {"per_ray_counting",
-       "count every ray instead of one hit or miss a frame, as in the paper: true or "
+       "count every ray instead of one hit or miss per frame, as in the paper: true or "
        "false",
        &fusion.per_ray_counting, "false"},
       {"dynamic_decay",
@@ -109,18 +109,19 @@ parametersOf(MapperConfig& config)
       {"label_max_ratio",
        "upper bound of largest / smallest probability of a fused distribution",
        &fusion.label_max_ratio, "10000"},
-      {"crf", "model: " + joinWords(crf_models), chooseFrom(config.crf, crf_models)},
+      {"crf", "CRF model: " + joinWords(crf_models),
+       chooseFrom(config.crf, crf_models)},
       {"crf_every", "run the CRF at the first frame and every N-th after it",
        &config.crf_every},
       {"crf_write_back",
        "replace the measured distributions by those of the CRF: true or false",
        &config.crf_write_back, "false"},
       {"cliques",
-       "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of "
-       "a frame) or supervoxel[:SEED_DISTANCE [m]]",
+       "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] "
+       "(number per frame) or supervoxel[:SEED_DISTANCE [m]]",
        &config.cliques},
       {"clique_exclude",
-       "classes, separated by commas, whose voxels are in no clique, or none",
+       "classes whose voxels are in no clique, separated by commas, or none",
        &config.clique_exclude}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));

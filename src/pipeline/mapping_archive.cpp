@@ -29,8 +29,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
 {
   if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
       run.config.clique_parameters.superpixel.keep)
-    badParameter("--archive does not go with superpixel_keep: what frames "
-                 "before a kill saw of the superpixels would be lost");
+    badParameter("--archive and superpixel_keep exclude each other: an archive does "
+                 "not store superpixels");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
   if (options_.path.empty())
@@ -38,8 +38,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
   std::error_code error;
   const bool is_there = std::filesystem::exists(options_.path, error);
   if (is_there && !options_.resume)
-    fail<OutputException>(options_.path, ": is there already: go on with it by "
-                                         "--resume, or remove it");
+    fail<OutputException>(
+        options_.path, ": is there already; continue it with --resume, or remove it");
   if (is_there) {
     // Before the archive is opened for writing.
     requireSameRun(MapArchive(options_.path, ArchiveAccess::read), run);

@@ -112,9 +112,8 @@ MappingOutput::refuseForeignImages() const
   for (const std::string& name : names())
     if (std::filesystem::is_directory(path(name), error) &&
         !listFrameFiles(path(name), {".png", ".label"}).empty())
-      fail<OutputException>(path(name),
-                            ": holds images, but no summary.json lies beside "
-                            "it: not a map; choose another folder");
+      fail<OutputException>(path(name), ": holds images without a summary.json beside "
+                                        "it, expected a map; choose another folder");
 }
 
 // Frames of two runs must not share a folder: an unfinished summary marks it until the
@@ -148,8 +147,8 @@ MappingOutput::requireImages() const
     for (const char* name : RunFolder::frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
       if (!isThere(image))
-        badInput(image, ": is missing; a run goes on in the folder that the "
-                        "interrupted one wrote to, and with --map-only if that had it");
+        badInput(image, ": is missing; resume with the --output of the interrupted "
+                        "run, and with --map-only if that run had it");
     }
 }
 

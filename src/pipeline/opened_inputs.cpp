@@ -90,7 +90,7 @@ openScans(const KittiSequence& kitti, const std::vector<FrameTime>& frames,
   for (const FrameTime& frame : frames) {
     const std::string scan = folder + frameFileName(frame.number, ".bin");
     if (!isThere(scan))
-      badInput(scan, ": is missing; --also scans needs one a frame");
+      badInput(scan, ": is missing; --also scans needs one per frame");
   }
   return [=](int frame) {
     return pointsInCamera(
@@ -265,8 +265,8 @@ private:
       if (cloud->empty())
         continue;
       if (!cloud->isOrganized())
-        badInput(path, ": is no organized cloud, expected one as the camera's images "
-                       "are (or --sensor laser)");
+        badInput(path, ": is no organized cloud, expected one of the camera's image "
+                       "size, or --sensor laser");
       return {{int(cloud->width), int(cloud->height)}, path};
     }
     badInput(inputs_.clouds, ": no cloud has a point");

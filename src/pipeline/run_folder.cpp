@@ -190,9 +190,9 @@ RunFolder::requireRoom(const std::string& folder)
   std::error_code error;
   if (fs::exists(fs::symlink_status(path, error)) && !isOurs(path) &&
       isFinished(summaryAt(folder + "/summary.json")))
-    fail<OutputException>(path, ": is not what an earlier run has set aside, but "
-                                "the map of this folder would be: choose another "
-                                "folder, or move that");
+    fail<OutputException>(
+        path, ": is not of an earlier run, but this run would move the earlier map "
+              "there; choose another --output, or move this folder");
 }
 
 void

@@ -44,8 +44,8 @@ requireNothingOfCamera(const MapperConfig& config, bool has_camera)
 {
   if (!has_camera && config.min_hit_ratio > 0.0 &&
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
-    badParameter("min_hit_ratio is for images: it counts the pixels that look "
-                 "past a voxel");
+    badParameter(
+        "min_hit_ratio is for images: it counts pixels that see through a voxel");
   if (!has_camera && config.crf == CRFModelType::hierarchical &&
       config.cliques.rfind("superpixel", 0) == 0)
     badParameter("superpixels are for clouds of a camera");
@@ -99,8 +99,8 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
   if (!camera_)
     badParameter("a clique calibration is for frames of a camera");
   if (config_.network_every != 1 && !calibration.ground.empty())
-    badParameter("a clique calibration needs the labels of every frame, which find "
-                 "the ground: network_every has to be 1");
+    badParameter("a clique calibration needs the labels of every frame to find the "
+                 "ground: expected network_every = 1");
   cliques_->setCalibration(std::move(calibration));
 }
 

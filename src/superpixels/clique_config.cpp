@@ -55,13 +55,14 @@ ConfigParameters
 parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
-  return {{"superpixel_keep",
-           "keep voxels that are out of view in their last superpixel",
-           &superpixel.keep, "false"},
-          {"superpixel_depth_jump",
-           "split superpixels where the line through the points of neighbouring pixels "
-           "passes the camera closer than this [m]; 0 = off",
-           &superpixel.passing_distance}};
+  return {
+      {"superpixel_keep",
+       "keep voxels in their last superpixel while they are out of view: true or false",
+       &superpixel.keep, "false"},
+      {"superpixel_depth_jump",
+       "minimum distance from the camera to the line through the points of "
+       "neighbouring pixels [m]; superpixels are split at closer lines; 0 = off",
+       &superpixel.passing_distance}};
 }
 
 bool

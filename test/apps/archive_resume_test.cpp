@@ -178,7 +178,7 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
       EXPECT_EQ(filesIn(output), filesOfMap(names));
     }
     EXPECT_TRUE(holds(succeed("export " + output + " " + folder_.path(name + ".ply")),
-                      "its run broke off: it is a map of the frames until then"));
+                      "the run was interrupted; the map holds the frames up to then"));
     EXPECT_FALSE(fs::exists(archive + "-wal"));
     EXPECT_NE(runTool("archive info " + archive).text.find("interrupted"),
               std::string::npos);
@@ -234,7 +234,7 @@ TEST_F(ArchivedRun, WithoutImagesNoneAreLeft)
   EXPECT_EQ(filesIn(whole_), filesOfMap({}));
   EXPECT_FALSE(fs::exists(whole_ + "/labels"));
   expectFails(mapCommand(output, archive, "--resume"), 3,
-              "with --map-only if that had it");
+              "with --map-only if that run had it");
 }
 
 TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
@@ -279,18 +279,18 @@ TEST_F(ArchivedRun, OtherDataBehindTheSamePathsIsRefused)
              fs::copy_options::overwrite_existing);
   };
   isRefused("/image_3/000000.png", "/image_3/000001.png",
-            "run.map: holds frame 0 as it was, which is another one now");
+            "run.map: frame 0 changed since the archived run");
   isRefused("/image_2/000005.png", "/image_2/000001.png",
-            "run.map: holds frame 5 as it was, which is another one now");
+            "run.map: frame 5 changed since the archived run");
   isRefused("/labels/000010.bin", "/labels/000003.bin",
-            "run.map: holds labels of frame 10 as it was");
+            "run.map: labels of frame 10 changed since");
   succeed(mapCommand(output, archive, "--resume", street));
 }
 
 TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)
 {
   expectFails(mapCommand(folder_.path("other"), whole_archive_, "--resume"), 3,
-              "labels/000000.png: is missing; a run goes on in");
+              "labels/000000.png: is missing; resume with the --output");
   EXPECT_FALSE(fs::exists(folder_.path("other")));
 }
 

@@ -250,7 +250,7 @@ TEST_F(StreetArchive, BadUsage)
            {"archive info " + archive_ + " " + archive_, "'info' needs one FILE"},
            {"archive verify", "'verify' needs one FILE"},
            {"archive export " + archive_, "'export' needs FILE and OUT.pcd"},
-           {"archive export " + archive_ + " " + archive_, "named as an output"},
+           {"archive export " + archive_ + " " + archive_, "given as an output"},
            {"archive export " + archive_ + " " + out + " --box 1,2,3", "six numbers"},
            {"archive export " + archive_ + " " + out + " --box 1,2,3,4,5,6,7",
             "six numbers"},
@@ -265,10 +265,12 @@ TEST_F(StreetArchive, BadUsage)
            {"archive info " + archive_ + " --fast", "'--fast'"},
            {mapCommand(out, "--resume"), "--resume needs --archive"},
            {mapCommand(out, "--archive-every 0"), "--archive-every"},
-           {mapCommand(out, "--archive " + out + "/map.pcd"), "its own files"},
-           {mapCommand(out, "--archive " + out + "/labels/run.map"), "its own files"},
+           {mapCommand(out, "--archive " + out + "/map.pcd"),
+            "is a path that --output writes"},
+           {mapCommand(out, "--archive " + out + "/labels/run.map"),
+            "is a path that --output writes"},
            {mapCommand(out, "--archive " + out + "/../x/summary.json"),
-            "its own files"}})
+            "is a path that --output writes"}})
     expectFails(command, 2, says);
   expectFails("archive export " + archive_ + " " + out + " --class bicycle", 3,
               archive_ + ": has no class 'bicycle'");
@@ -283,7 +285,7 @@ TEST_F(StreetArchive, ArchivesThatCannotBeWritten)
     expectFails(mapCommand(out, options), code, says);
   };
   const std::string bytes = bytesOf(archive_);
-  fails("--archive " + archive_, 5, archive_ + ": is there already: go on with it by");
+  fails("--archive " + archive_, 5, archive_ + ": is there already; continue it with");
   EXPECT_TRUE(bytesOf(archive_) == bytes);
   const std::string file = folder_->write("file", "");
   fails("--archive " + file + "/a.map", 5, file + ": cannot be made");

@@ -40,7 +40,8 @@ TEST(BadUsage, OptionsOfTheMap)
       {"window of two", 2, "--window: '1 1'", labels + "--window 1,1"},
       {"huge window", 2, "too large", labels + "--window 99999,99999,99999"},
       {"endless window", 2, "window is", labels + "--window 1e300,1,1"},
-      {"huge integer", 2, "'2e9' is no integer up to", labels + "--crf-every 2e9"},
+      {"huge integer", 2, "'2e9', expected an integer up to",
+       labels + "--crf-every 2e9"},
       {"cubes of nothing", 2, "0", labels + "--crf hierarchical --cliques cubes:0"},
       {"no answer", 2, "--clique-free-label: 'perhaps', expected false or true",
        labels + "--clique-free-label perhaps"},
@@ -55,7 +56,8 @@ TEST(BadUsage, OptionsOfTheMap)
        labels + "--map-only --also measured"},
       {"two label sets", 2, "--label-set is for --labels",
        "--network x.yaml --label-set y.yaml"},
-      {"no sequence", 2, "SEQUENCE is missing", "map --output OUT " + labels},
+      {"no sequence", 2, "expected a SEQUENCE, or --left",
+       "map --output OUT " + labels},
       {"no output", 2, "--output is missing", "map STREET " + labels},
       {"no file", 3, "config.yaml: cannot be read", with_config},
       {"misspelt", 3, "config.yaml line 2: key 'voxel_sise'", with_config,
@@ -91,7 +93,7 @@ TEST(BadOutput, OfTheMap)
   expectAllFail({
       {"a sequence", 2, "--output holds a sequence",
        "map STREET --output STREET/../street " + labels},
-      {"its own labels", 2, "--labels is where",
+      {"its own labels", 2, "--labels is the folder of labels that --output writes",
        "map STREET --output OUT --labels OUT/labels",
        [](const std::string& street) {
          fs::create_directories(fs::path(street).parent_path() / "out/labels");

@@ -166,7 +166,7 @@ TEST_F(CalibrateTool, TheMapTakesIt)
   folder_.write("wood.yaml", text);
   const std::string wood = succeed(mapOf(street) + " --output " + folder_.path("wood") +
                                    " --label-calibration " + folder_.path("wood.yaml"));
-  EXPECT_TRUE(holds(wood, "wood.yaml: was learned from other streets than this"));
+  EXPECT_TRUE(holds(wood, "wood.yaml: was learned from data unlike this sequence"));
   EXPECT_GT(readJson(folder_.path("wood/summary.json"))["domain_shift"], 1.0);
   // It is the identity that changes nothing.
   folder_.write("same.yaml", "sharpness: 1\nground: []\nknots: {}\nclasses: {}\n");
@@ -255,10 +255,11 @@ TEST(CalibrateToolUsage, BadInput)
       {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
       {"ground", 2, "--ground: class 'lawn' is not in the label set",
        all + "--ground road,lawn"},
-      {"no feature", 2, "--features: 'smell' is none", all + "--features height,smell"},
-      {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
+      {"no feature", 2, "--features: 'smell' is no feature",
+       all + "--features height,smell"},
+      {"of cliques alone", 2, "--features: 'lowest' is only for cliques",
        all + "--features lowest"},
-      {"one twice", 2, "two sequences are called street",
+      {"one twice", 2, "two sequences have the name street",
        "calibrate STREET STREET --output OUT" + folders},
       {"no truth", 3, "street/none",
        "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "

@@ -187,7 +187,7 @@ TEST(CameraSizes, RectifiedImagesUseP)
   const auto cloud = readLabelledCloud(folder.path("out/0.pcd")).cloud;
   EXPECT_NEAR(cloud->at(0, 0).x, -0.8f, 1e-6f);
   EXPECT_TRUE(std::isnan(cloud->at(4, 3).z));
-  expectFails(tool + " --depth-scale 0.001", 2, "1000 if a number stands for 0.001 m");
+  expectFails(tool + " --depth-scale 0.001", 2, "1000 if the unit is 0.001 m");
   EXPECT_TRUE(holds(succeed(tool + " --depth-scale 1"),
                     "pcl_semantic_rgbd: warning: " + folder.path("s/depth/0.png") +
                         ": half of its depths are more than 2000 m"));

@@ -150,10 +150,10 @@ TEST_F(CloudTool, TellsOfNumbersThatAMappingLacks)
   const std::string options =
       " --label-mapping " + folder.path("m.yaml") + " --label-set " + label_set;
   for (const std::string program : {"cloud ", "crf "})
-    EXPECT_TRUE(
-        holds(succeed(program + folder.path("in.pcd") + " " + folder.path("out.pcd") +
-                      options),
-              "m.yaml lacks 1 of the numbers: 5 (1 points): taken as unlabelled\n"));
+    EXPECT_TRUE(holds(succeed(program + folder.path("in.pcd") + " " +
+                              folder.path("out.pcd") + options),
+                      "m.yaml lacks 1 numbers of the input: 5 (1 points): they count "
+                      "as unlabelled\n"));
 }
 
 // Numbers that are no labels of ours do not matter to cliques.
@@ -179,7 +179,7 @@ TEST_F(CloudTool, CountsNoReturns)
   const auto pointsOf = [&](const std::string& program, const std::string& options) {
     EXPECT_TRUE(holds(succeed(program + " " + folder.path("zeros.pcd") + " " +
                               folder.path("out.pcd") + options),
-                      "zeros.pcd: 4 points at exactly 0 0 0 are taken for no return"));
+                      "zeros.pcd: 4 points at exactly 0 0 0 count as no return"));
     return readLabelledCloud(folder.path("out.pcd"));
   };
   EXPECT_EQ(pointsOf("cloud", " --thin 0.5").cloud->size(), 4u);
@@ -204,7 +204,7 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
   fails("--keep car", 2, "names need --label-set");
   fails("--drop cra --label-set " + label_set, 2, "is no class of the label set");
   fails("--relabel 3", 2, "expected OLD=NEW");
-  fails("--thin 0", 2, "--thin is not more than 0");
+  fails("--thin 0", 2, "--thin is 0, expected more than 0");
   fails("--thin 1e-12", 2, "take larger ones");
   fails("--colour", 2, "need --label-set");
   fails("--label-mapping none_such --label-set " + label_set, 3, "none_such");

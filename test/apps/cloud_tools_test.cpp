@@ -416,7 +416,7 @@ TEST_F(Scans, BadInput)
       {"no poses", 2, "--clouds needs a trajectory: --poses FILE", all},
       {"odometry", 2, "--poses FILE", all + "--poses odometry"},
       {"and a sequence", 2, "exclude each other", all + poses + "STREET"},
-      {"and labels", 2, "bring their labels", all + poses + "--labels STREET/labels"},
+      {"and labels", 2, "hold their labels", all + poses + "--labels STREET/labels"},
       {"sensor", 2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
       {"camera", 2, "--sensor camera needs --calibration",
        all + poses + "--sensor camera"},
@@ -430,8 +430,9 @@ TEST_F(Scans, BadInput)
        "map --clouds TEMP/none --output OUT " + poses},
       {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
       {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
-      {"images", 2, "needs scans, too", all + poses + "--also measured"},
-      {"hit ratio", 2, "--min-hit-ratio has no effect with --clouds of no camera",
+      {"images", 2, "also needs scans", all + poses + "--also measured"},
+      {"hit ratio", 2,
+       "--min-hit-ratio has no effect with --clouds that are not of a camera",
        all + poses + "--min-hit-ratio 0.2"},
       {"over the clouds", 2, "--output holds the clouds",
        "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
@@ -453,7 +454,7 @@ TEST_F(Scans, BadInput)
   });
   succeed(map(folder.path("poses.txt")));
   expectFails(map(folder.path("map/trajectory.txt")), 2,
-              "--poses is where --output puts its own trajectory");
+              "--poses is the trajectory that --output writes");
   folder.write("clouds/2.pcd", "garbage");
   expectFails({"garbage", 3, "2.pcd", all + poses});
 }

@@ -295,13 +295,13 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   std::filesystem::create_directories(previous);
   std::ofstream(previous + "/map.pcd") << "mine";
   expectFails(mapOf(street_copy) + " " + options, 5,
-              "previous: is not what an earlier run has set aside");
+              "previous: is not of an earlier run");
   EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
   std::filesystem::remove_all(previous);
   std::filesystem::create_directories(folder_->path("elsewhere"));
   std::ofstream(folder_->path("elsewhere/map.pcd")) << "mine";
   std::filesystem::create_directory_symlink(folder_->path("elsewhere"), previous);
-  expectFails(mapOf(street_copy) + " " + options, 5, "has set aside");
+  expectFails(mapOf(street_copy) + " " + options, 5, "is not of an earlier run");
   EXPECT_EQ(bytesOf(folder_->path("elsewhere/map.pcd")), "mine");
 }
 

@@ -148,7 +148,7 @@ TEST_F(Fleet, SaysWhatIsDoubtfulOfCorrectedPosesOnce)
   const std::string said =
       succeed("fleet " + writePlan("city", ", corrected_poses: " + poses));
   for (const char* const doubt :
-       {"corrected.txt: 3 of 3 poses were not quite rigid", "upside down"}) {
+       {"corrected.txt: 3 of 3 poses were not exactly rigid", "upside down"}) {
     EXPECT_TRUE(holds(said, doubt));
     EXPECT_EQ(said.find(doubt), said.rfind(doubt)) << said;
   }

@@ -207,7 +207,7 @@ TEST(LabelTool, BadCarrying)
 TEST(LabelTool, BadInput)
 {
   expectAllFail(
-      {{"no sequence", 2, "the SEQUENCE is missing", "label"},
+      {{"no sequence", 2, "expected a SEQUENCE, or --left", "label"},
        {"no output", 2, "--output is missing", tool},
        {"no network", 2, "--network is missing", "label STREET --output OUT"},
        {"format", 2, "--format is 'jpg'", tool + "--format jpg --output OUT"},

@@ -124,7 +124,7 @@ TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
   expectFails("live --left 0 --right 2 --calibration c.yaml --labels l --output " +
                   map + " --times times.txt",
               2, "--times needs --every-frame");
-  expectFails(live + " --network-every 2", 2, "--network-every is for maps of all");
+  expectFails(live + " --network-every 2", 2, "--network-every needs --every-frame");
   expectFails(live + " --poses sequence", 2, "--poses sequence");
   expectFails(live + " --every-frame", 2, "--every-frame needs videos");
   expectFails("live --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "

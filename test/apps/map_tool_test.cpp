@@ -21,10 +21,10 @@ TEST(MapToolOptions, OldNamesAreRefused)
 {
   const ToolResult renamed = runTool("map --hit-share 0.2 --print-config");
   EXPECT_EQ(renamed.code, 2);
-  EXPECT_TRUE(holds(renamed.text, "--hit-share: is min_hit_ratio now"));
+  EXPECT_TRUE(holds(renamed.text, "--hit-share: was renamed to min_hit_ratio"));
   const ToolResult removed = runTool("map --crf-tolerance=0.1 --print-config");
   EXPECT_EQ(removed.code, 2);
-  EXPECT_TRUE(holds(removed.text, "--crf-tolerance: had no effect, removed"));
+  EXPECT_TRUE(holds(removed.text, "--crf-tolerance: was removed, it had no effect"));
 }
 
 TEST(MapToolOptions, PresetsHaveKeysThatAreNoOptions)
@@ -33,7 +33,7 @@ TEST(MapToolOptions, PresetsHaveKeysThatAreNoOptions)
   EXPECT_FALSE(holds(succeed("map --print-config"), "superpixel_keep"));
   const ToolResult option = runTool("map --superpixel-keep true --print-config");
   EXPECT_EQ(option.code, 2);
-  EXPECT_TRUE(holds(option.text, "--superpixel-keep: is no option, but a key"));
+  EXPECT_TRUE(holds(option.text, "--superpixel-keep: is no option, only a key"));
   EXPECT_TRUE(holds(succeed("map --config " PCL_SEMANTIC_SOURCE_DIR
                             "/data/presets/zhao16.yaml --print-config"),
                     "superpixel_keep: true"));
@@ -231,7 +231,7 @@ TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
   // Without a summary the images count as foreign.
   fs::remove(output + "/summary.json");
   expectFails(mapOf(tinyStreet()) + " --output " + output, 5,
-              "/labels: holds images, but no summary.json");
+              "/labels: holds images without a summary.json");
   EXPECT_TRUE(fs::exists(output + "/labels/000001.png"));
 }
 

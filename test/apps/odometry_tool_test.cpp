@@ -94,7 +94,7 @@ TEST(BadInput, Trajectories)
       {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
       {"1 0 0 0 0 1 0 0 0 0 1\n" + rest, "a.txt line 1: has 11 numbers, expected 12"},
       {rest + "1 0 0 0 0 1 0 0 0 0 1\n", "a.txt line 3: has 11 numbers, expected 12"},
-      {rest + "\n" + rest, "a.txt line 3: holds no pose, but a later line does"},
+      {rest + "\n" + rest, "a.txt line 3: is empty, but a later line has a pose"},
       {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
       {"1.1 0 0 0 0 1 0 0 0 0 1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
       {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
@@ -104,8 +104,8 @@ TEST(BadInput, Trajectories)
        "from 0 to 0.2 s; 1 of 3 frames lack one"},
       {"1403636579763555584 0 0 0 0 0 0 1\n",
        "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
-      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
-      {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
+      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: time is not later than"},
+      {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: time is not later than"},
       {"0 0 0 0 0 0 0 0\n", "a.txt line 1: the quaternion has length 0"},
       {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"},
       {"0 0 0 nan 0 0 0 1\n", "a.txt line 1: 'nan'"},
@@ -136,8 +136,8 @@ TEST(MapTool, MakesPosesRigidWithOneWarning)
       succeed(mapOf(tinyStreet()) + " --crf none --poses " +
               folder.write("a.txt", text) + " --output " + folder.path("out"));
   EXPECT_EQ(said.rfind("pcl_semantic_map: warning: " + folder.path("a.txt") +
-                           ": 3 of 3 poses were not quite rigid and made so, the "
-                           "first in line 2\nmap: ",
+                           ": 3 of 3 poses were not exactly rigid and were corrected, "
+                           "the first in line 2\nmap: ",
                        0),
             0u)
       << said;
@@ -150,7 +150,7 @@ TEST(BadUsage, OdometryTool)
 {
   const std::string poses = " STREET/poses.txt ";
   expectAllFail({
-      {"no sequence", 2, "SEQUENCE is missing", "odometry"},
+      {"no sequence", 2, "expected a SEQUENCE, or --left", "odometry"},
       {"no output", 2, "OUT.txt is missing", "odometry STREET"},
       {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
       {"features", 2, "features is 1", "odometry STREET OUT --features 1"},

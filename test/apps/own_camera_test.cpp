@@ -131,7 +131,7 @@ TEST(OwnCamera, BadInputIsNamed)
        }},
       {"no poses", 3, "left/*.png: has no poses.txt", map + camera + "--poses sequence",
        copy},
-      {"in the output", 2, "--left is where --output puts its own files",
+      {"in the output", 2, "--left is a path that --output writes",
        "map --output OUT --labels STREET/labels --left 'OUT/overlay/*.png' --right R "
        "--calibration C",
        copy},

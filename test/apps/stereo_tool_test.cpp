@@ -105,7 +105,8 @@ TEST(StereoTool, FilesOfAnEarlierRunAreTold)
   EXPECT_FALSE(holds(runTool(run).text, "other"));
   EXPECT_FALSE(holds(runTool(run).text, "other"));
   folder.write("000007.pcd", "");
-  EXPECT_TRUE(holds(runTool(run).text, "holds 1 other .pcd file, which stay"));
+  EXPECT_TRUE(
+      holds(runTool(run).text, "holds 1 other .pcd file, which this run keeps"));
   std::filesystem::create_directories(folder.path("street/image_2"));
   folder.write("street/image_2/000003.png", "");
   expectFails("synthesize --size 208x64 --frames 3 " + folder.path("street"), 2,
@@ -170,7 +171,7 @@ TEST(StereoTool, BadPairs)
         one_pair + "TEMP/out.pcd --disparity TEMP/d.jpg"},
        {"image and folder", 2, "two images, or two folders",
         "stereo STREET/image_2 STREET/image_3/000000.png STREET/calib.txt OUT"},
-       {"a pattern", 3, "is not there",
+       {"a pattern", 3, "does not exist",
         "stereo 'STREET/image_2/*.png' 'STREET/image_3/*.png' STREET/calib.txt "
         "OUT"},
        {"a folder that cannot be", 5, "cannot be made",
@@ -180,7 +181,7 @@ TEST(StereoTool, BadPairs)
         one_pair + "TEMP/out.pcd --max-depth nan"},
        {"a map among the images", 2, "holds images of frames",
         "map STREET --output STREET/image_2 --labels STREET/labels"},
-       {"poses over an image", 2, "is a name for an image",
+       {"poses over an image", 2, "is the name of an image",
         "odometry STREET STREET/image_2/000001.png"},
        {"times that stand still", 3, "times.txt line 2: is not later",
         "odometry STREET TEMP/out.txt",

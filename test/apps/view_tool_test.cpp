@@ -367,7 +367,7 @@ TEST(BadUsage, ViewTool)
   const std::vector<BadCase> with_display = {
       {"no map", 3, "none.pcd: cannot be read",
        "view STREET/none.pcd --screenshot OUT.png"},
-      {"no such colour", 2, "has nothing for --colour entropy, only for class",
+      {"no such colour", 2, "has no colours for --colour entropy, expected class",
        draw + " --colour entropy", cloud},
       {"no labels", 3, "a.pcd: has neither labels nor colours",
        draw + " --voxel-size 1",
@@ -377,7 +377,7 @@ TEST(BadUsage, ViewTool)
                 "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
        }},
       {"no class", 2, "--hide: no class is called 'cat'", draw + " --hide cat", cloud},
-      {"no poses", 2, "--images: where the camera was is not known",
+      {"no poses", 2, "--images needs the poses of the camera",
        draw + " --images STREET", cloud},
       {"no pose", 2, "none for --frame 0", draw + " --view camera", cloud},
       {"below a file", 5, "calib.txt",

@@ -106,7 +106,7 @@ TEST(KnownFields, DoubtsLabelsThatItDoesNotUnderstand)
   for (const Case& each : std::vector<Case>{
            {{"gt_label", "uchar"},
             "2",
-            "field 'gt_label' is not read as labels; unders"},
+            "field 'gt_label' is not read as labels; expected"},
            {{"class", "float"}, "0.5", "field 'class' is not read as labels: they are"},
            {{"classification", "ushort"}, "300", "not all are 0 to 255"}})
     inBothFormats({each.field}, each.value, "1", [&](const LabelledCloud& cloud) {
@@ -203,7 +203,7 @@ TEST(KnownFields, CutsOffColoursAboveWhite)
                     EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, 0xFF80FFu);
                     ASSERT_EQ(cloud.table.doubts.size(), 1u);
                     EXPECT_TRUE(holds(cloud.table.doubts[0],
-                                      "field 'red': 1 of its colours from 0 to 1"));
+                                      "field 'red': 1 of its colours are above 1"));
                   });
   inBothFormats(red_green_blue("float"), "200.5 100.25 0.5", "1 1 90",
                 [&](const LabelledCloud& cloud) {
@@ -265,7 +265,7 @@ TEST(KnownFields, ReadsColoursOfAnyForm)
                     EXPECT_FALSE(cloud.has_colour);
                     ASSERT_EQ(cloud.table.doubts.size(), 1u);
                     EXPECT_TRUE(holds(cloud.table.doubts[0],
-                                      "is not read as colour; understood are"));
+                                      "is not read as colour; expected rgb"));
                   });
 }
 

@@ -110,8 +110,8 @@ TEST(LabelMapping, TakesInstancesOffAndCountsWhatItLacks)
   EXPECT_EQ(mapping.lacking(),
             (std::map<std::uint32_t, std::size_t>{{41, 2}, {50, 1}, {65535, 1}}));
   EXPECT_EQ(textOfLacking(mapping, "m.yaml", "points"),
-            "label mapping m.yaml lacks 3 of the numbers: 41 (2 points), 50 (1), "
-            "65535 (1): taken as unlabelled");
+            "label mapping m.yaml lacks 3 numbers of the input: 41 (2 points), 50 (1), "
+            "65535 (1): they count as unlabelled");
   EXPECT_TRUE(mapping.has(99));
   EXPECT_FALSE(mapping.has(0));
 }

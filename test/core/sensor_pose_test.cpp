@@ -46,9 +46,9 @@ TEST(RequireRigid, TakesRotationsAndTranslationsAlone)
   }
   matrix = pose.matrix();
   matrix.topLeftCorner<3, 3>() *= 1.1;
-  EXPECT_TRUE(refuses("is no rotation and translation", matrix));
+  EXPECT_TRUE(refuses("is not a rotation and translation", matrix));
   matrix = Eigen::Vector4d(1, 1, -1, 1).asDiagonal(); // a mirror
-  EXPECT_TRUE(refuses("is no rotation and translation", matrix));
+  EXPECT_TRUE(refuses("is not a rotation and translation", matrix));
   matrix(1, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses("is not finite", matrix));
 }

@@ -130,7 +130,7 @@ TEST(CameraFile, KnowsAllThatAFileStates)
             {500, 502, 300, 220},
             640,
             480,
-            "P is used, K is not"},
+            "P is used instead of K"},
            {"c.yaml",
             size + no_distortion + K +
                 "R: [0, -1, 0, 1, 0, 0, 0, 0, 1]\nP: [400, 0, 320, 0, 0, 401, 240, 0, "

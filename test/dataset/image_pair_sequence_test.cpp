@@ -152,7 +152,7 @@ TEST(ImagePairSequence, RefusesACalibrationOfNothing)
   StereoRig rig = exampleRig();
   rig.D2[0] = -40.0;
   writeRig(pairs.files.calibration, rig);
-  pairs.expectRefused("right image can be rectified: K, D");
+  pairs.expectRefused("right image can be rectified; check K, D");
 }
 
 } // namespace pcl_semantic

@@ -182,7 +182,7 @@ TEST(Rectifier, RefusesWhatItCannotRectify)
   for (const auto& [says, change] : std::vector<std::pair<std::string, Change>>{
            {"image size: is not known", [](auto& r) { r.width = r.height = 0; }},
            {"T: is (0, 0, 0): the baseline is 0 m", [](auto& r) { r.T.setZero(); }},
-           {"left image can be rectified: K, D", // it folds
+           {"left image can be rectified; check K, D", // it folds
             [](auto& r) { r.D1[0] = -40.0; }}}) {
     StereoRig rig = exampleRig();
     change(rig);

@@ -136,15 +136,15 @@ TEST_F(Rgbd, AScaleThatIsNotTheImagesIsDoubtful)
   };
   EXPECT_TRUE(doubts(0.0).empty());
   EXPECT_TRUE(doubts(5000.0).empty());
-  for (const auto& [scale, says] : {std::pair(1.0, "are more than 1000 m with depth "
-                                                   "scale 1; 1000 would make it 1 m"),
-                                    std::pair(1e6, "are less than 0.001 m")}) {
+  for (const auto& [scale, says] :
+       {std::pair(1.0, "are more than 1000 m with depth scale 1; 1000 would give 1 m"),
+        std::pair(1e6, "are less than 0.001 m")}) {
     ASSERT_EQ(doubts(scale).size(), 1u) << scale;
     EXPECT_TRUE(holds(doubts(scale)[0], says));
     EXPECT_TRUE(holds(doubts(scale)[0], "depth/a.png: half of its depths"));
   }
   expectRefusal<InvalidParameterException>(
-      "depth scale is 0.001, expected the number that stands for a metre: 1000",
+      "depth scale is 0.001, expected the value of 1 m in the depth images: 1000",
       [&] { doubts(0.001); });
 }
 

@@ -186,7 +186,7 @@ TEST(StereoRig, RefusesFilesThatHoldNone)
            {"rig.yaml: is XML", "<?xml version=\"1.0\"?>\n"},
            {"'K1' or 'M1' or", extrinsics},
            {"key 'T' is missing", intrinsics + "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"},
-           {"rig.yaml line 7: 'M2' is 'K2' once more", cameras + "M2: [1]\n"},
+           {"rig.yaml line 7: 'M2' repeats 'K2'", cameras + "M2: [1]\n"},
            {"rig.yaml line 5: R: has 3 numbers, expected 9",
             intrinsics + "R: [1, 0, 0]\n" + T},
            {"rig.yaml line 6: the value of 'R'", intrinsics + T + "R: one\n"},

@@ -51,9 +51,9 @@ TEST(CliqueFile, NamesTheLineOfABadIndex)
   for (const std::string word : {"-1", "x", "1.0", "1e2", "2147483648", "0x1", "+1",
                                  "1,2", "nan", "\x01", "99999999999999999999"})
     EXPECT_TRUE(refuses("4 " + word, "'" + (word == "\x01" ? "?" : word) +
-                                         "' is not the index of a point"));
-  EXPECT_TRUE(refuses("5 1000", "'1000' is not the index of a point, expected a number "
-                                "from 0, below 1000"));
+                                         "', expected a point index"));
+  EXPECT_TRUE(
+      refuses("5 1000", "'1000', expected a point index from 0, less than 1000"));
   EXPECT_TRUE(refuses("5 2 7 5", "names point 5 twice"));
 }
 

@@ -120,7 +120,7 @@ TEST(PoseDoubts, PosesOfAnotherWorld)
        {std::tuple(&in_world, PoseFrame::first_camera,
                    "tilted by more than 60 degrees"),
         std::tuple(&in_first, PoseFrame::camera, "the camera looks up or down"),
-        std::tuple(&in_first, PoseFrame::sensor, "the way climbs"),
+        std::tuple(&in_first, PoseFrame::sensor, "the path climbs"),
         std::tuple(&upside_down, PoseFrame::sensor, "upside down"),
         std::tuple(&far, PoseFrame::sensor,
                    "half of the poses are more than 1000 m from the one before: are "

@@ -126,8 +126,8 @@ TEST(KittiTrajectory, HasARowForEveryFrame)
   const std::string row = identity + "\n";
   EXPECT_EQ(readKitti("# by some tool\n#\n" + row + row + "\n \n").size(), 2u);
   for (const char* const gap : {"\n", "# lost\n", " \r\n"})
-    EXPECT_TRUE(refusesKitti(row + gap + row,
-                             "poses.txt line 2: holds no pose, but a later line does"));
+    EXPECT_TRUE(refusesKitti(
+        row + gap + row, "poses.txt line 2: is empty, but a later line has a pose"));
   for (const char* const nothing : {"", "\n\n", "# nothing\n"})
     EXPECT_TRUE(refusesKitti(nothing, "poses.txt: holds no pose"));
   thrownMessage<BadInputException>([] { readKittiTrajectory("/no/such/poses.txt"); });
@@ -210,7 +210,7 @@ TEST(TumTrajectory, NamesTheLineOfWhatCannotBeUsed)
         std::pair("2 0 0 1,5 0 0 0 1\n", "line 2: '1,5'"),
         std::pair("2 0 0 0 0 0 0 1.1\n", "line 2: the quaternion"),
         std::pair("2 0 0 0 0 0 0 0\n", "line 2: the quaternion"),
-        std::pair("1 0 0 0 0 0 0 1\n", "line 2: its time")})
+        std::pair("1 0 0 0 0 0 0 1\n", "line 2: time is not later")})
     EXPECT_TRUE(refusesTum(good + text, part));
   EXPECT_TRUE(refusesTum("# nothing\n", "holds no pose"));
 }
@@ -222,8 +222,8 @@ TEST(TumTrajectory, MakesAQuaternionOfNearlyLengthOneExact)
   const TimedTrajectory trajectory = readTumTrajectory(
       folder.write("tum.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0.6 0 0.803\n"), &doubts);
   ASSERT_EQ(doubts.size(), 1u);
-  EXPECT_TRUE(holds(doubts[0], "tum.txt: 1 of 2 poses were not quite rigid and made "
-                               "so, the first in line 2"));
+  EXPECT_TRUE(holds(doubts[0], "tum.txt: 1 of 2 poses were not exactly rigid and were "
+                               "corrected, the first in line 2"));
   const Eigen::Matrix3d rotation = trajectory[1].pose.linear();
   EXPECT_TRUE((rotation * rotation.transpose()).isIdentity(1e-14));
 }

@@ -123,8 +123,9 @@ TEST(ReadDistributions, NumbersAndColoursOfImagesAreMapped)
   writePng(path, colours);
   EXPECT_TRUE(refuses_mapping("colours", "pixel (3, 2) has the colour 100, 0, 0"));
   const LabelSet same({{"a", {1, 2, 3}}, {"b", {1, 2, 3}}});
-  EXPECT_TRUE(throws<BadInputException>("'a' and 'b' of the label set have one colour",
-                                        [&] { readPixelMapping("colours", same); }));
+  EXPECT_TRUE(
+      throws<BadInputException>("'a' and 'b' of the label set have the same colour",
+                                [&] { readPixelMapping("colours", same); }));
 }
 
 TEST(ReadDistributions, RefusesOtherSizesAndFiles)

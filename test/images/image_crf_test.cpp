@@ -187,7 +187,7 @@ TEST(ImageCRF, RefusesWhatDoesNotFit)
       complaint([&] { crf.refine(makeImage(3), LabelDistributions(3, pixels - 1)); }),
       "197 pixels for an image of 18 x 11"));
   EXPECT_TRUE(holds(complaint([&] { crf.setSegments(cv::Mat1f(height, width, 1.0f)); }),
-                    "whole numbers"));
+                    "channel of integers"));
   EXPECT_TRUE(holds(complaint([&] { crf.setSegments(cv::Mat1i(height, width, -1)); }),
                     "pixel (0, 0) has the segment -1"));
   EXPECT_TRUE(holds(complaint([&] { crf.setSegments(cv::Mat()); }), "is empty"));

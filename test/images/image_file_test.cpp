@@ -168,7 +168,7 @@ TEST(ReadPng, RefusesClassesInAPalette)
   EXPECT_EQ(readPng(path, ImageKind::grey_or_colour).channels(), 3);
   const std::string message =
       thrownMessage<BadInputException>([&] { readPng(path, ImageKind::labels); });
-  EXPECT_TRUE(holds(message, "has a palette, whose colours would be read"));
+  EXPECT_TRUE(holds(message, "has a palette, expected"));
 }
 
 // OpenCV looks for formats one after the other, and one of its decoders aborts.
@@ -203,5 +203,6 @@ TEST(ReadImage, RefusesMorePixelsThanTheFileCanHold)
   setTag("\x01\x01\x03\x00\x01\x00"s, 40000);
   for (const auto& [name, bytes] :
        {std::pair("a.png", png), std::pair("a.jpg", jpeg), std::pair("a.tif", tiff)})
-    EXPECT_TRUE(refusesImage(name, bytes, "states 50000 x 40000 pixels, which its"));
+    EXPECT_TRUE(
+        refusesImage(name, bytes, "states 50000 x 40000 pixels, which do not fit"));
 }

@@ -143,17 +143,17 @@ TEST_F(DamagedArchive, RowsThatChangePlaces)
             "holds the block"},
            {"UPDATE blocks SET id = -1, z = (SELECT z FROM blocks WHERE id = 2), y = "
             "(SELECT y FROM blocks WHERE id = 2) + 1 WHERE id = 1",
-            "blocks that are not the 12"},
-           {"DELETE FROM blocks WHERE id = 5", "has 11 blocks that are not the 12"},
+            "blocks, expected the 12 blocks of the last commit"},
+           {"DELETE FROM blocks WHERE id = 5", "has 11 blocks, expected the 12"},
            {"INSERT INTO blocks SELECT 99, z + 1, y, x, content FROM blocks LIMIT 1",
-            "has 13 blocks that are not the 12"},
+            "has 13 blocks, expected the 12"},
            {"UPDATE blocks SET x = 9999999999 WHERE id = 1", "has a block at"},
            {"UPDATE frames SET number = 4 WHERE number = 3", "frame 4: holds another"},
            {"DELETE FROM frames WHERE number = 3", "has 1 frames"},
            {"DELETE FROM meta WHERE name = 'state'", "has no 'state'"},
            {"UPDATE meta SET value = (SELECT value FROM meta WHERE name = 'state') "
             "WHERE name = 'parameters'",
-            "'parameters': holds something else"},
+            "'parameters': has an entry of another name"},
            {"PRAGMA user_version = 3", "version 3, newer than this program"},
            {"PRAGMA user_version = 1", "version 1, older than this program"},
            {"PRAGMA user_version = 0", "its tables"},
@@ -212,7 +212,7 @@ TEST_F(DamagedArchive, ForeignFiles)
   EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
                       MapArchive::create(folder_.path("other"), makeArchiveHeader());
                     }),
-                    "other-wal: is left of an earlier archive"));
+                    "other-wal: belongs to an earlier archive"));
 }
 
 // Hostile bytes with a valid checksum.

@@ -221,8 +221,8 @@ TEST_F(OtherPrograms, TheLogOfAnotherKilledRunIsRefused)
   fs::copy_file(folder_.path("other-wal"), mixed + "-wal",
                 fs::copy_options::overwrite_existing);
   for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
-    EXPECT_TRUE(holds(refusalOf(mixed, access),
-                      "has beside it " + mixed + "-wal of another archive"));
+    EXPECT_TRUE(
+        holds(refusalOf(mixed, access), "got " + mixed + "-wal of another archive"));
 }
 
 TEST_F(OtherPrograms, ALogWithNothingInItIsRefusedButForAnEmptyOne)

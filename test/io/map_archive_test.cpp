@@ -325,7 +325,7 @@ TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
     for (int time = 0; time < 2; ++time) // the first must not hide it from the second
       EXPECT_TRUE(
           holds(thrownMessage<BadInputException>([&] { MapArchive(copy, access); }),
-                copy + ": lacks " + copy + "-wal, which holds what was written last"));
+                copy + ": lacks " + copy + "-wal, which holds the last commits"));
   EXPECT_THROW(verifyArchive(copy), BadInputException);
   fs::copy_file(path + "-wal", copy + "-wal");
   expectHolds(MapArchive(copy, ArchiveAccess::read), blocks);
@@ -356,7 +356,7 @@ TEST(MapArchive, TheLogOfAnotherArchiveIsRefused)
   for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
     EXPECT_TRUE(
         holds(thrownMessage<BadInputException>([&] { MapArchive(whole, access); }),
-              "is whole, but beside it lies " + whole + "-wal of another archive"));
+              "is complete, but " + whole + "-wal is of another archive"));
   EXPECT_THROW(verifyArchive(whole), BadInputException);
   fs::remove(whole + "-wal");
   expectHolds(MapArchive(whole, ArchiveAccess::read), blocks);

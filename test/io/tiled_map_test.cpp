@@ -140,13 +140,16 @@ TEST_F(MapInTiles, WithoutATileOrWithABadIndexIsRefused)
   for (const auto& [text, says] :
        {std::pair{"pcl_semantic_tiles 7 1 1\n0 0 1 1\n",
                   "line 1: is no index of tiles"},
-        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n", "has other tiles than the 2"},
+        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n",
+         "has 1 tiles of 1 blocks, expected 2 of 1"},
         {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n0 1 0 x\n",
          "line 3: expected four numbers"},
-        {"pcl_semantic_tiles 1 1 1\n0 0 1 1\n1 1 1 1\n", "has other tiles than the 1"},
-        {"pcl_semantic_tiles 1 2 2\n0 0 1 1\n0 0 1 1\n", "has other tiles than the 2"},
+        {"pcl_semantic_tiles 1 1 1\n0 0 1 1\n1 1 1 1\n",
+         "has 2 tiles of 2 blocks, expected 1 of 1"},
+        {"pcl_semantic_tiles 1 2 2\n0 0 1 1\n0 0 1 1\n",
+         "has 1 tiles of 2 blocks, expected 2 of 2"},
         {"pcl_semantic_tiles 1 1 5\n0 0 1 1\n",
-         "has other tiles than the 1 of 5 blocks"},
+         "has 1 tiles of 1 blocks, expected 1 of 5"},
         {"pcl_semantic_tiles 1 0 0\n", "has no tiles"},
         {"pcl_semantic_tiles 1 1 1\n77 77 1 1\n", "tiles/77_77.map: "}})
     EXPECT_TRUE(holds(refusal(text), says)) << text;

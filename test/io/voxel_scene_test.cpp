@@ -95,9 +95,8 @@ TEST(VoxelScene, FindsTheGridOfCentres)
   PcdTable table = readPcd(path);
   table.voxel_grid = {};
   writeCloudTable(path, table);
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
-            "its points are not the centres of voxels; say how large they are"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
+                    "points are not voxel centres; give the voxel size"));
   EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), voxels.size());
   voxels.moveToCentres();
   writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
@@ -122,6 +121,6 @@ TEST(VoxelScene, AsksForTheSizeIfTheHeadersGridIsSpoilt)
   const std::string message =
       thrownMessage<BadInputException>([&] { readVoxelScene(path); });
   EXPECT_TRUE(holds(message, path));
-  EXPECT_TRUE(holds(message, "say how large they are"));
+  EXPECT_TRUE(holds(message, "give the voxel size"));
   EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), 3u);
 }

@@ -158,7 +158,7 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
       "of 5 classes: got 4 classes", [](auto&) {}, 4);
   expectRefused(
       "10 points, features of 9", [](auto&) {}, 5, 9);
-  const std::string seen = "what was seen needs 5 fractions at each knot";
+  const std::string seen = "'seen' needs 5 fractions at each knot";
   const std::string order = "a feature has two curves, or comes out of order";
   for (const auto& [says, change] : std::vector<std::pair<std::string, Change>>{
            {"bias", [](auto& c) { c.bias.conservativeResize(4); }},

@@ -79,7 +79,7 @@ TEST(FleetPlan, SaysWhatCannotBe)
            {begin + "  - {name: a, labels: [1, 2]}\n", "line 3"},
            {begin + "  - {name: a, strict: maybe}\n",
             "'maybe', expected false or true"},
-           {begin + "  - {name: a, hit_share: 1}\n", "is min_hit_ratio now"},
+           {begin + "  - {name: a, hit_share: 1}\n", "was renamed to min_hit_ratio"},
            {begin + "  - {name: a}\nrives: 3\n", "rives"},
        })
     EXPECT_TRUE(holds(refusal(text), says)) << text;

@@ -53,9 +53,9 @@ TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
 TEST(MapperConfig, OldKeysAreRefused)
 {
   EXPECT_TRUE(holds(complaintAbout("voxel_size: 0.2\nhit_share: 0.2\n"),
-                    "line 2: hit_share: is min_hit_ratio now"));
+                    "line 2: hit_share: was renamed to min_hit_ratio"));
   EXPECT_TRUE(holds(complaintAbout("crf_tolerance: 0\n"),
-                    "line 1: crf_tolerance: had no effect, removed"));
+                    "line 1: crf_tolerance: was removed, it had no effect"));
   EXPECT_EQ(whyRemoved("voxel_size"), "");
 }
 
@@ -111,7 +111,7 @@ TEST(MapperConfig, MistakesAreNamedWithTheirLine)
             "line 2: key 'voxel_sise' is not known"},
            {"crf: dense\ncrf: none\n", "line 2"},
            {"crf_every: often\n", "line 1: 'often' is not a number"},
-           {"crf_every: 1.5\n", "line 1: '1.5' is no integer"},
+           {"crf_every: 1.5\n", "line 1: '1.5', expected an integer"},
            {"window: [1, 2]\n", "line 1"},
            {"window: 1,5\n", "line 1"},
            {"voxel_size: 0\n", "voxel_size is 0 m"},

@@ -245,7 +245,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
     EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
   }
-  expectRefusal<InvalidParameterException>("network_every has to be 1", [&] {
+  expectRefusal<InvalidParameterException>("expected network_every = 1", [&] {
     config.crf = CRFModelType::hierarchical;
     LabelCalibration calibration;
     calibration.ground = {1};

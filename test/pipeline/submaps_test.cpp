@@ -139,7 +139,7 @@ TEST_F(SubmapFile, SaysWhatItsPosesLack)
   const auto archive = MapArchive::create(other, header);
   archive->putFrame(0, encodeFrameRecord({}));
   archive->commit({});
-  EXPECT_TRUE(holds(refusal(other), "does not say where its sensor is"));
+  EXPECT_TRUE(holds(refusal(other), "has no camera_pose"));
 }
 
 TEST(RunDescription, TellsTheParametersOfItsRun)

@@ -27,10 +27,9 @@ ScanColumns parseScanColumns(const std::string& text);
 ScanColumns parseScanColumns(const std::string& text, const std::string& path);
 
 /** \brief Help of an option that parseScanColumns() reads. */
-constexpr const char* kScanColumnsHelp = "columns of a .bin, float32 each: their "
-                                         "names (x,y,z,intensity,ring; _ for one that "
-                                         "is passed over) or their number (default: "
-                                         "x,y,z,intensity, of a .pcd.bin also ring)";
+constexpr const char* kScanColumnsHelp =
+    "columns of a .bin, float32 each: their names (x,y,z,intensity,ring; _ = ignored) "
+    "or their number (default: x,y,z,intensity; of a .pcd.bin x,y,z,intensity,ring)";
 
 /** \brief Reads a cloud; the extension selects the format.
  *

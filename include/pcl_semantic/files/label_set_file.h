@@ -36,14 +36,14 @@ PixelMapping readPixelMapping(const std::string& path, const LabelSet& label_set
 
 /** \brief Help of an option that readLabelMapping() reads. */
 constexpr const char* kLabelMappingHelp =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
-    "labels, 0 = unlabelled)";
+    "mapping from numbers in the input to classes of the label set: file (.yaml), name "
+    "of an installed file (semantic_kitti_to_kitti11) or zero_based (default: numbers "
+    "are labels, 0 = unlabelled)";
 
 /** \brief Help of an option that readPixelMapping() reads. */
 constexpr const char* kPixelMappingHelp =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
-    "those of the classes (default: they are labels, 0 = unlabelled)";
+    "mapping from numbers in the input to classes of the label set: file (.yaml), name "
+    "of an installed file (semantic_kitti_to_kitti11), zero_based or colours = .png "
+    "files have the class colours (default: numbers are labels, 0 = unlabelled)";
 
 } // namespace pcl_semantic

@@ -22,8 +22,8 @@ struct OpenedNetwork {
 
 /** \brief Help of an option that parseEngine() reads. */
 constexpr const char* kEngineHelp =
-    "what computes the network: onnxruntime or opencv (default: onnxruntime if this "
-    "program was built with it)";
+    "inference engine of the network: onnxruntime or opencv (default: onnxruntime if "
+    "this program was built with it)";
 
 /** \brief Parses an engine's name; empty = the fastest engine.
  * \throws InvalidParameterException if this build has no such engine */
