@@ -49,6 +49,7 @@ const std::map<std::string, std::string> removed_parameters = {
     {"crf_radius", ""},
     {"crf_settled", ""},
     {"crf_tolerance", ""},
+    {"dynamic_decay", "free_dynamic"},
     {"hit_share", "min_hit_ratio"},
     {"superpixel_compactness", ""},
     {"supervoxel_colour_weight", ""},

@@ -141,7 +141,7 @@ knownIn(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& h
     guard.run([&] {
       merged[b].second = known[b]->size() == 1
                              ? *known[b]->front()
-                             : mergeBlocks(*known[b], header.label_set.size(),
+                             : mergeBlocks(*known[b], header.label_set,
                                            header.parameters.fusion);
     });
   guard.rethrow();

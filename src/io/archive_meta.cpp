@@ -25,7 +25,6 @@ valuesOf(MapParameters& parameters)
           {"min_probability", &fusion.min_probability},
           {"max_probability", &fusion.max_probability},
           {"occupied_probability", &fusion.occupied_probability},
-          {"dynamic_decay", &fusion.dynamic_decay},
           {"label_min_probability", &fusion.label_min_probability},
           {"label_max_ratio", &fusion.label_max_ratio}};
 }
@@ -99,6 +98,7 @@ encodeParameters(const MapParameters& parameters)
     put(name, *value);
   put("pixel_fusion", static_cast<double>(parameters.fusion.pixel_fusion));
   put("per_ray_counting", parameters.fusion.per_ray_counting);
+  put("free_dynamic", parameters.fusion.free_dynamic);
   put("clearing", static_cast<double>(parameters.fusion.clearing));
   return writer.bytes();
 }
@@ -109,10 +109,12 @@ decodeParameters(const Bytes& bytes)
   MapParameters parameters;
   NamedValues missing = valuesOf(parameters);
   double pixel_fusion = 0.0, per_ray_counting = 0.0;
+  double free_dynamic = 0.0; // of older archives
   auto clearing = static_cast<double>(Clearing::full); // default of older archives
   missing["pixel_fusion"] = &pixel_fusion;
   missing["per_ray_counting"] = &per_ray_counting;
   missing["clearing"] = &clearing;
+  missing["free_dynamic"] = &free_dynamic;
   ByteReader reader(bytes);
   for (auto count = reader.get<std::uint32_t>(); count > 0; --count) {
     const std::string name = reader.getText();
@@ -125,11 +127,13 @@ decodeParameters(const Bytes& bytes)
   }
   requireEnd(reader);
   missing.erase("clearing");
+  missing.erase("free_dynamic");
   if (!missing.empty())
     badInput("lacks ", missing.begin()->first);
   parameters.fusion.pixel_fusion =
       pixel_fusion == 0.0 ? PixelFusion::mean : PixelFusion::product;
   parameters.fusion.per_ray_counting = per_ray_counting != 0.0;
+  parameters.fusion.free_dynamic = free_dynamic != 0.0;
   parameters.fusion.clearing = clearing == 0.0   ? Clearing::none
                                : clearing == 1.0 ? Clearing::full
                                                  : Clearing::careful;

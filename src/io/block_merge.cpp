@@ -117,12 +117,39 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
     std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
 }
 
+// The label of fused log-probabilities, of which the largest is 0.
+Label
+labelOf(const float* measured, int classes)
+{
+  const float* const largest = std::max_element(measured, measured + classes);
+  return std::count(measured, measured + classes, *largest) == classes
+             ? kUnlabelled
+             : Label(largest - measured + 1);
+}
+
+// A moving object is hit in one map and seen past in another: free wins there.
+void
+freeDynamic(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
+            const FusionParameters& fusion, StoredLogOdds& merged)
+{
+  const int two_misses = 2 * storedLogOdds(fusion.miss_probability);
+  for (const VoxelBlock* const block : blocks) {
+    const StoredLogOdds log_odds = block->log_odds[offset];
+    const int record = block->recordAt(int(offset));
+    const bool has_hits = record != VoxelBlock::kNoRecord &&
+                          block->records[std::size_t(record)].observations > 0;
+    if (log_odds != kUnknown && !has_hits && log_odds <= two_misses)
+      merged = std::min(merged, log_odds);
+  }
+}
+
 } // namespace
 
 VoxelBlock
-mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
+mergeBlocks(const std::vector<const VoxelBlock*>& blocks, const LabelSet& label_set,
             const FusionParameters& fusion)
 {
+  const int classes = label_set.size();
   VoxelBlock merged;
   const auto have_hits =
       std::count_if(blocks.begin(), blocks.end(),
@@ -139,8 +166,14 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
         sources.push_back({&block->records[std::size_t(record)],
                            block->measured.data() + record * classes,
                            block->refined.data() + record * classes});
-    if (!sources.empty())
-      mergeVoxel(sources, offset, classes, fusion, keeps_refined, merged);
+    if (sources.empty())
+      continue;
+    mergeVoxel(sources, offset, classes, fusion, keeps_refined, merged);
+    const float* const measured = merged.measured.data() +
+                                  merged.recordAt(offset) * classes;
+    if (fusion.free_dynamic && label_set[labelOf(measured, classes)].dynamic)
+      freeDynamic(blocks, std::size_t(offset), fusion,
+                  merged.log_odds[std::size_t(offset)]);
   }
   return merged;
 }

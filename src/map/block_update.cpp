@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "block_update.h"
-#include "block_reader.h"
 #include "ray_traversal.h"
 
 #include <algorithm>
@@ -126,30 +125,6 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
   // The refined distribution came from older measurements.
   if (labelled)
     std::fill_n(block.refined.begin() + record * classes_, classes_, 0.0f);
-}
-
-void
-decayDynamicVoxels(const LabelSet& label_set, const MapParameters& parameters,
-                   RayCaster::Grid& grid)
-{
-  const OccupancyUpdate update(parameters.fusion);
-  const BlockReader reader(label_set.size(), parameters);
-  const int units =
-      static_cast<int>(std::lround(parameters.fusion.dynamic_decay / kLogOddsUnit));
-  std::array<bool, 256> dynamic{};
-  for (int label = 1; label <= label_set.size(); ++label)
-    dynamic[std::size_t(label)] = label_set[Label(label)].dynamic;
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (std::size_t slot = 0; slot < grid.slots(); ++slot) {
-    VoxelBlock* const block = grid.at(slot).get();
-    if (!block || block->records.empty())
-      continue;
-    for (int offset = 0; offset < kBlockVoxels; ++offset)
-      if (reader.isOccupied(*block, offset) && dynamic[reader.label(*block, offset)]) {
-        update.decay(block->log_odds[std::size_t(offset)], units);
-        block->changed = true;
-      }
-  }
 }
 
 void

@@ -46,11 +46,6 @@ private:
   std::vector<RayHit> hits_;                               // by voxel
 };
 
-/** \brief Subtracts FusionParameters::dynamic_decay from every occupied voxel of the
- * window whose MAP label is a dynamic class. */
-void decayDynamicVoxels(const LabelSet& label_set, const MapParameters& parameters,
-                        RayCaster::Grid& grid);
-
 /** \brief Counts every ray of a scan in the occupancy of its voxels, as in the paper.
  * Sequential, because the order of rays matters.
  * \param[in] scan that \a caster has cast last

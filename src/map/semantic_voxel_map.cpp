@@ -10,6 +10,7 @@
 #include "ray_traversal.h"
 #include "read_write_lock.h"
 #include "scrolling_voxel_grid.h"
+#include "seen_past.h"
 #include "voxel_fusion.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
@@ -47,6 +48,7 @@ struct SemanticVoxelMap::State {
   RayCaster ray_caster;
   Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero();
   bool has_cloud_origin = false;
+  double depth_error = 0.0; // see Scan
   std::optional<int> threads;
   ReadWriteLock lock;               // of everything above
   mutable std::mutex store_reading; // a store need not support several readers
@@ -157,8 +159,6 @@ SemanticVoxelMap::State::integrate(const Scan& scan,
                                    const Eigen::Isometry3d& T_world_sensor)
 {
   centreWindow(T_world_sensor.translation());
-  if (parameters.fusion.dynamic_decay > 0.0)
-    decayDynamicVoxels(label_set, parameters, grid);
   RayCaster::Settings settings{
       parameters.voxel_size, parameters.max_range, {}, parameters.fusion.clearing};
   for (int label = 0; label <= label_set.size(); ++label)
@@ -167,6 +167,9 @@ SemanticVoxelMap::State::integrate(const Scan& scan,
   counts.hit_voxels = updateBlocks(scan);
   if (parameters.fusion.per_ray_counting)
     countRays(ray_caster, parameters, scan, grid);
+  if (parameters.fusion.free_dynamic)
+    counts.freed = freeSeenPast(label_set, parameters, scan, T_world_sensor,
+                                ray_caster, grid);
   return counts;
 }
 
@@ -349,7 +352,18 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   const ThreadScope threads(state_->threads);
   if (scan.distributions)
     requireProbabilities(*scan.distributions);
-  return state_->integrate(scan, T_world_sensor);
+  Scan measured = scan;
+  measured.depth_error = state_->depth_error;
+  return state_->integrate(measured, T_world_sensor);
+}
+
+void
+SemanticVoxelMap::setDepthError(double error)
+{
+  if (!(error >= 0.0 && std::isfinite(error)))
+    badParameter("the depth error is ", error, ", expected 0 or more");
+  const auto writing = state_->lock.write();
+  state_->depth_error = error;
 }
 
 std::size_t

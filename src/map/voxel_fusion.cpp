@@ -61,8 +61,6 @@ FusionParameters::validate() const
     badParameter("per_ray_counting counts rays that clear space, but clearing "
                  "is none");
   requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
-  if (!(dynamic_decay >= 0.0 && dynamic_decay <= 7.0))
-    badParameter("dynamic_decay is ", dynamic_decay, ", expected 0 to 7");
   requireBetween(label_max_ratio, 1.0, std::numeric_limits<double>::infinity(),
                  "label_max_ratio");
 }

@@ -35,11 +35,24 @@ public:
     add(voxel, change > 1 ? change : 1);
   }
 
-  /** \brief Subtracts stored units from an occupied voxel, which may become free. */
-  void
-  decay(StoredLogOdds& voxel, int units) const
+  /** \brief Lowers an occupied voxel to one miss above the threshold.
+   * \return whether it was lower already */
+  bool
+  lowerToLast(StoredLogOdds& voxel) const
   {
-    add(voxel, -units);
+    const int last = occupied_ - miss_;
+    if (voxel < last)
+      return true;
+    voxel = static_cast<StoredLogOdds>(last);
+    return false;
+  }
+
+  /** \brief Makes an occupied voxel free: one miss below the threshold. */
+  void
+  setFree(StoredLogOdds& voxel) const
+  {
+    voxel = static_cast<StoredLogOdds>(
+        std::max(min_, occupied_ + miss_));
   }
 
   void

@@ -99,9 +99,9 @@ parametersOf(MapperConfig& config)
        "count every ray instead of one hit or miss per frame, as in the paper: true or "
        "false",
        &fusion.per_ray_counting, "false"},
-      {"dynamic_decay",
-       "log-odds that voxels of dynamic classes lose per frame; 0 = off",
-       &fusion.dynamic_decay, "0"},
+      {"free_dynamic",
+       "free the voxels of dynamic classes that scans see past: true or false",
+       &fusion.free_dynamic, "true"},
       {"pixel_fusion", "fusion of the pixels of a frame in one voxel: mean or product",
        chooseFrom(fusion.pixel_fusion, {"mean", "product"})},
       {"label_min_probability", "lower bound of each measured class probability",

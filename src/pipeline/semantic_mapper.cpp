@@ -135,6 +135,7 @@ SemanticMapper::process(const SensorFrame& frame)
   mapped.T_world_camera =
       mapped.times.measure("pose", [&] { return poses_->pose(frame); });
   std::visit([&](const auto& each) { read(each, mapped); }, frame);
+  setDepthError(frame);
   fuse(mapped);
   return mapped;
 }
@@ -297,6 +298,16 @@ SemanticMapper::withoutSeenThrough(const MappedFrame& mapped, std::size_t& erase
   erased = eraseSeenThrough(*cloud, *camera_, mapped.T_world_camera,
                             map_.parameters().voxel_size, config_.min_hit_ratio);
   return cloud;
+}
+
+// Of a stereo pair; RGB-D and lidar are exact enough.
+void
+SemanticMapper::setDepthError(const SensorFrame& frame)
+{
+  constexpr double disparity_error = 0.5; // [px]
+  const bool is_stereo = camera_ && !std::holds_alternative<RgbdFrame>(frame);
+  map_.setDepthError(is_stereo ? disparity_error / (camera_->fx * camera_->baseline)
+                               : 0.0);
 }
 
 ScanCounts

@@ -56,7 +56,7 @@ TEST(MapArchive, ManyClassesAndParametersSurvive)
   header.parameters.fusion.label_max_ratio = 123.0;
   header.parameters.fusion.pixel_fusion = PixelFusion::product;
   header.parameters.fusion.per_ray_counting = true;
-  header.parameters.fusion.dynamic_decay = 0.25;
+  header.parameters.fusion.free_dynamic = false;
   const TemporaryFolder folder;
   const VoxelBlock full = makeRandomBlock(kBlockVoxels, 255, 3);
   {
@@ -73,7 +73,7 @@ TEST(MapArchive, ManyClassesAndParametersSurvive)
   EXPECT_EQ(read.fusion.label_max_ratio, 123.0);
   EXPECT_EQ(read.fusion.pixel_fusion, PixelFusion::product);
   EXPECT_TRUE(read.fusion.per_ray_counting);
-  EXPECT_EQ(read.fusion.dynamic_decay, 0.25);
+  EXPECT_FALSE(read.fusion.free_dynamic);
   EXPECT_EQ(archive.header().label_set[255].name, "class 254");
 }
 

@@ -243,25 +243,6 @@ TEST(MapQueries, EveryRayCountsIfAskedTo)
               std::erf(0.25 / std::sqrt(2.0)) * std::log(0.7 / 0.3), 1e-3);
 }
 
-TEST(MapQueries, DynamicVoxelsFadeAndOthersStay)
-{
-  SemanticVoxelMap::Parameters parameters = smallWindow();
-  parameters.fusion.dynamic_decay = 0.5;
-  for (const Label label : {Label(1), Label(2)}) {
-    SemanticVoxelMap map(twoClasses(), parameters);
-    const LabelledScan scan = wall(label);
-    map.integrate(scan.cloud, origin, scan.distributions);
-    const std::size_t seen = map.occupied().size();
-    EXPECT_GT(seen, 20u);
-    // It is seen again: what hits add outweighs what decay takes.
-    map.integrate(scan.cloud, origin, scan.distributions);
-    EXPECT_EQ(map.occupied().size(), seen);
-    for (int scans = 0; scans < 4; ++scans) // nothing is seen any more
-      map.integrate(pcl::PointCloud<pcl::PointXYZ>(), origin);
-    EXPECT_EQ(map.occupied().size(), label == 2 ? 0 : seen);
-  }
-}
-
 // Each scan turns the wall to the other class and back: a reader that saw a scan half
 // done would find both.
 TEST(MapQueries, AReaderSeesWholeScans)

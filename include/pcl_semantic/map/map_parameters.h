@@ -36,9 +36,8 @@ struct FusionParameters {
   /// one (as in the paper), instead of one update per scan. The result then depends on
   /// the order of the points.
   bool per_ray_counting = false;
-  /// Log-odds that occupied voxels of dynamic classes lose per scan; 0 = none. It
-  /// removes the trails of moving objects where no ray clears them.
-  double dynamic_decay = 0.0;
+  /// Frees the voxels of dynamic classes that scans see past, see doc/map.md.
+  bool free_dynamic = true;
   double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
 
   /** \throws InvalidParameterException that names the parameter and its range */

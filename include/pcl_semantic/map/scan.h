@@ -66,6 +66,9 @@ struct Scan {
   const LabelDistributions* distributions = nullptr; ///< null = no labels
   /// Standard deviation of the distance along each ray [m]; null = exact.
   const std::vector<float>* deviations = nullptr;
+  /// Standard deviation of a distance, divided by its square [1/m]; 0 = exact. Stereo
+  /// has about that of a disparity, divided by focal length and baseline.
+  double depth_error = 0.0;
 };
 
 struct ScanCounts {
@@ -77,6 +80,7 @@ struct ScanCounts {
   /// Stereo only: erased before the scan was cast, see eraseSeenThrough().
   std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point
+  std::size_t freed = 0;      ///< voxels of dynamic classes that the scan has freed
 };
 
 } // namespace pcl_semantic

@@ -213,6 +213,8 @@ private:
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr withoutSeenThrough(const MappedFrame& mapped,
                                                             std::size_t& erased) const;
 
+  void setDepthError(const SensorFrame& frame);
+
   ScanCounts integrate(const MappedFrame& mapped);
 
   void refineVoxels(VoxelCloud& voxels);

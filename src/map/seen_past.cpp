@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "seen_past.h"
+#include "block_reader.h"
+#include "core/parallel_guard.h"
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr double kLeastDistance = 1.0; ///< of the end of a ray behind a voxel [m]
+constexpr double kDeviations = 3.0;    ///< likewise, of its depth
+constexpr std::uint32_t kLeastRays = 2;
+
+// An occupied voxel of a dynamic class.
+struct Candidate {
+  VoxelIndex voxel;
+  std::size_t slot;
+  int offset;
+  Label label;
+};
+
+using ClassFlags = std::array<bool, 256>;
+
+ClassFlags
+dynamicClasses(const LabelSet& label_set)
+{
+  ClassFlags flags{};
+  for (int label = 1; label <= label_set.size(); ++label)
+    flags[std::size_t(label)] = label_set[Label(label)].dynamic;
+  return flags;
+}
+
+// The voxels around a block in which rays end: 10 x 10 x 10, one voxel on each side.
+class HitsAround {
+public:
+  HitsAround(const VoxelIndex& block, const RayCaster& caster,
+             const RayCaster::Grid& grid)
+  {
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+          const VoxelIndex step(x, y, z);
+          if (grid.contains(block + step))
+            add(step, caster.hitsIn(grid.slotOf(block + step)));
+        }
+  }
+
+  /** \brief Whether a ray ends in a voxel of the block or its 26 neighbours. */
+  bool
+  isNear(int offset) const
+  {
+    const VoxelIndex voxel(offset & 7, offset >> 3 & 7, offset >> 6);
+    for (int z = 0; z < 3; ++z)
+      for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x)
+          if (hits_[bitOf(voxel + VoxelIndex(x, y, z))])
+            return true;
+    return false;
+  }
+
+private:
+  static constexpr int kEdge = kBlockEdge + 2;
+
+  static std::size_t
+  bitOf(const VoxelIndex& place)
+  {
+    return std::size_t((place.z() * kEdge + place.y()) * kEdge + place.x());
+  }
+
+  void
+  add(const VoxelIndex& step, const std::pair<const RayHit*, const RayHit*>& hits)
+  {
+    for (const RayHit* hit = hits.first; hit != hits.second; ++hit) {
+      const VoxelIndex voxel(hit->offset & 7, hit->offset >> 3 & 7, hit->offset >> 6);
+      const VoxelIndex place = voxel + step * kBlockEdge + VoxelIndex::Ones();
+      if ((place.array() >= 0).all() && (place.array() < kEdge).all())
+        hits_.set(bitOf(place));
+    }
+  }
+
+  std::bitset<kEdge * kEdge * kEdge> hits_;
+};
+
+// The candidates without a hit on or beside them, by slot and offset.
+std::vector<Candidate>
+findCandidates(const ClassFlags& dynamic, const BlockReader& reader,
+               const RayCaster& caster, const RayCaster::Grid& grid)
+{
+  struct Place {
+    VoxelIndex index;
+    const VoxelBlock* block;
+  };
+  std::vector<Place> places;
+  grid.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    if (!block.records.empty())
+      places.push_back({index, &block});
+  });
+  std::vector<std::vector<Candidate>> found(places.size());
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::size_t p = 0; p < places.size(); ++p)
+    guard.run([&] {
+      const auto& [index, block] = places[p];
+      std::vector<Candidate>& here = found[p];
+      for (int offset = 0; offset < kBlockVoxels; ++offset)
+        if (reader.isOccupied(*block, offset)) {
+          const Label label = reader.label(*block, offset);
+          if (dynamic[label])
+            here.push_back({index * kBlockEdge +
+                                VoxelIndex(offset & 7, offset >> 3 & 7, offset >> 6),
+                            grid.slotOf(index), offset, label});
+        }
+      if (here.empty())
+        return;
+      const HitsAround hits(index, caster, grid);
+      here.erase(std::remove_if(
+                     here.begin(), here.end(),
+                     [&](const Candidate& each) { return hits.isNear(each.offset); }),
+                 here.end());
+    });
+  guard.rethrow();
+  std::vector<Candidate> all;
+  for (const std::vector<Candidate>& here : found)
+    all.insert(all.end(), here.begin(), here.end());
+  return all;
+}
+
+// Bins of directions: the faces of a cube around the sensor, each a square of bins.
+class DirectionBins {
+public:
+  static constexpr int kBins = 192; ///< along an edge; 0.6 degrees in the middle
+
+  /** \brief The bin of a direction, which is not zero. */
+  static std::size_t
+  binOf(const Eigen::Vector3d& direction)
+  {
+    int axis = 0;
+    direction.cwiseAbs().maxCoeff(&axis);
+    const double scale = 1.0 / std::abs(direction[axis]);
+    const int face = 2 * axis + (direction[axis] < 0.0);
+    return place(face, cell(direction[(axis + 1) % 3] * scale),
+                 cell(direction[(axis + 2) % 3] * scale));
+  }
+
+  /** \brief Visits the bins that a box touches, and perhaps some beside it.
+   * \param[in] corner, edge of the box, relative to the sensor, which is outside */
+  template <typename Visit>
+  static void
+  forEachBin(const Eigen::Vector3d& corner, double edge, Visit&& visit)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {1.0, -1.0}) {
+        const double near = sign > 0.0 ? corner[axis] : -(corner[axis] + edge);
+        const double far = near + edge;
+        if (far <= 0.0)
+          continue;
+        const int face = 2 * axis + (sign < 0.0);
+        const auto [u0, u1] = range(corner[(axis + 1) % 3], edge, near, far);
+        const auto [v0, v1] = range(corner[(axis + 2) % 3], edge, near, far);
+        for (int v = v0; v <= v1; ++v)
+          for (int u = u0; u <= u1; ++u)
+            visit(place(face, u, v));
+      }
+  }
+
+  static constexpr std::size_t kSize = std::size_t(6) * kBins * kBins;
+
+private:
+  static std::size_t
+  place(int face, int u, int v)
+  {
+    return (std::size_t(face) * kBins + std::size_t(v)) * kBins + std::size_t(u);
+  }
+
+  static int
+  cell(double slope)
+  {
+    return std::clamp(int((slope + 1.0) * 0.5 * kBins), 0, kBins - 1);
+  }
+
+  // Cells of the slopes that an interval has between two distances; empty beyond a face.
+  static std::pair<int, int>
+  range(double low, double edge, double near, double far)
+  {
+    const double high = low + edge;
+    const double nearest = std::max(near, 1e-3 * edge);
+    const double least = low / (low < 0.0 ? nearest : far);
+    const double most = high / (high > 0.0 ? nearest : far);
+    if (least > 1.0 || most < -1.0)
+      return {0, -1};
+    return {cell(std::max(least, -1.0)), cell(std::min(most, 1.0))};
+  }
+};
+
+// The candidates by the bins that they touch.
+class CandidateBins {
+public:
+  CandidateBins(const std::vector<Candidate>& candidates, const Eigen::Vector3d& sensor,
+                double voxel_size)
+      : first_(DirectionBins::kSize + 1, 0)
+  {
+    const auto forEach = [&](auto&& visit) {
+      for (std::size_t c = 0; c < candidates.size(); ++c)
+        DirectionBins::forEachBin(
+            candidates[c].voxel.cast<double>() * voxel_size - sensor, voxel_size,
+            [&](std::size_t bin) { visit(bin, std::uint32_t(c)); });
+    };
+    forEach([&](std::size_t bin, std::uint32_t) { ++first_[bin + 1]; });
+    for (std::size_t bin = 0; bin < DirectionBins::kSize; ++bin)
+      first_[bin + 1] += first_[bin];
+    members_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    forEach([&](std::size_t bin, std::uint32_t c) { members_[next[bin]++] = c; });
+  }
+
+  std::pair<const std::uint32_t*, const std::uint32_t*>
+  in(std::size_t bin) const
+  {
+    return {members_.data() + first_[bin], members_.data() + first_[bin + 1]};
+  }
+
+private:
+  std::vector<std::uint32_t> first_, members_;
+};
+
+// The distance at which a ray of unit direction leaves a box; negative if it misses it.
+double
+exitOf(const Eigen::Vector3d& corner, double edge, const Eigen::Vector3d& direction)
+{
+  double entry = 0.0, exit = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) {
+      if (corner[axis] > 0.0 || corner[axis] + edge < 0.0)
+        return -1.0;
+      continue;
+    }
+    const double a = corner[axis] / direction[axis];
+    const double b = (corner[axis] + edge) / direction[axis];
+    entry = std::max(entry, std::min(a, b));
+    exit = std::min(exit, std::max(a, b));
+  }
+  return entry < exit ? exit : -1.0;
+}
+
+// How far behind a voxel the end of a ray has to lie [m].
+double
+marginOf(const Scan& scan, std::size_t point, const Eigen::Vector3f& position)
+{
+  double deviation = scan.depth_error * double(position.squaredNorm());
+  if (scan.deviations)
+    deviation = std::max(deviation, double((*scan.deviations)[point]));
+  return std::max(kLeastDistance, kDeviations * deviation);
+}
+
+// The rays past each candidate, at most kLeastRays.
+std::vector<std::uint32_t>
+countRays(const std::vector<Candidate>& candidates, const Scan& scan,
+          const Eigen::Isometry3d& T_world_sensor, double voxel_size,
+          const ClassFlags& sky)
+{
+  const CandidateBins bins(candidates, T_world_sensor.translation(), voxel_size);
+  std::vector<std::uint32_t> rays(candidates.size(), 0);
+  const std::size_t points = scan.points.size();
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points; ++i) {
+    const Eigen::Vector3f position = scan.points[i];
+    const double length = position.cast<double>().norm();
+    if (!(length > 0.0 && length < 1e6)) // or NaN
+      continue;
+    const Eigen::Vector3d direction =
+        T_world_sensor.linear() * position.cast<double>() / length;
+    const auto [first, last] = bins.in(DirectionBins::binOf(direction));
+    if (first == last)
+      continue;
+    const Label label =
+        scan.distributions ? scan.distributions->mapLabel(Eigen::Index(i)) : kUnlabelled;
+    if (sky[label])
+      continue;
+    const double farthest = length - marginOf(scan, i, position);
+    for (const std::uint32_t* c = first; c != last; ++c) {
+      if (candidates[*c].label == label)
+        continue;
+      const double exit =
+          exitOf(candidates[*c].voxel.cast<double>() * voxel_size -
+                     T_world_sensor.translation(),
+                 voxel_size, direction);
+      if (exit >= 0.0 && exit <= farthest &&
+          __atomic_load_n(&rays[*c], __ATOMIC_RELAXED) < kLeastRays)
+        __atomic_fetch_add(&rays[*c], 1, __ATOMIC_RELAXED);
+    }
+  }
+  return rays;
+}
+
+} // namespace
+
+std::size_t
+freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
+             const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+             const RayCaster& caster, RayCaster::Grid& grid)
+{
+  const ClassFlags dynamic = dynamicClasses(label_set);
+  if (std::count(dynamic.begin(), dynamic.end(), true) == 0)
+    return 0;
+  ClassFlags sky{};
+  for (int label = 1; label <= label_set.size(); ++label)
+    sky[std::size_t(label)] = label_set[Label(label)].sky;
+  const int classes = label_set.size();
+  const BlockReader reader(classes, parameters);
+  const std::vector<Candidate> candidates =
+      findCandidates(dynamic, reader, caster, grid);
+  if (candidates.empty())
+    return 0;
+  const std::vector<std::uint32_t> rays =
+      countRays(candidates, scan, T_world_sensor, parameters.voxel_size, sky);
+  const bool is_exact = scan.depth_error == 0.0 && !scan.deviations;
+  const OccupancyUpdate occupancy(parameters.fusion);
+  std::size_t freed = 0;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (rays[c] < kLeastRays)
+      continue;
+    VoxelBlock& block = *grid.at(candidates[c].slot);
+    block.changed = true;
+    StoredLogOdds& log_odds = block.log_odds[std::size_t(candidates[c].offset)];
+    if (!is_exact && !occupancy.lowerToLast(log_odds))
+      continue;
+    occupancy.setFree(log_odds);
+    const int record = block.recordAt(candidates[c].offset);
+    block.records[std::size_t(record)] = VoxelRecord();
+    std::fill_n(block.measured.begin() + record * classes, classes, 0.0f);
+    std::fill_n(block.refined.begin() + record * classes, classes, 0.0f);
+    ++freed;
+  }
+  return freed;
+}
+
+} // namespace pcl_semantic
