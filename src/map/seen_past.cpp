@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,19 @@ struct Candidate {
   Label label;
 };
 
+VoxelIndex
+placeInBlock(int offset)
+{
+  return {offset & 7, offset >> 3 & 7, offset >> 6};
+}
+
+Label
+labelOf(const Scan& scan, std::size_t point)
+{
+  return scan.distributions ? scan.distributions->mapLabel(Eigen::Index(point))
+                            : kUnlabelled;
+}
+
 using ClassFlags = std::array<bool, 256>;
 
 ClassFlags
@@ -39,11 +53,12 @@ dynamicClasses(const LabelSet& label_set)
   return flags;
 }
 
-// The voxels around a block in which rays end: 10 x 10 x 10, one voxel on each side.
+// The hits in a block, and those on one class in and around it.
 class HitsAround {
 public:
-  HitsAround(const VoxelIndex& block, const RayCaster& caster,
-             const RayCaster::Grid& grid)
+  HitsAround(Label label, const VoxelIndex& block, const Scan& scan,
+             const RayCaster& caster, const RayCaster::Grid& grid)
+      : label_(label), scan_(scan)
   {
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
@@ -54,21 +69,24 @@ public:
         }
   }
 
-  /** \brief Whether a ray ends in a voxel of the block or its 26 neighbours. */
+  /** \brief Whether a ray ends in a voxel, or in one of its 26 neighbours on the class
+   * or without one. */
   bool
-  isNear(int offset) const
+  hold(int offset) const
   {
-    const VoxelIndex voxel(offset & 7, offset >> 3 & 7, offset >> 6);
+    if (inside_[std::size_t(offset)])
+      return true;
+    const VoxelIndex voxel = placeInBlock(offset);
     for (int z = 0; z < 3; ++z)
       for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x)
-          if (hits_[bitOf(voxel + VoxelIndex(x, y, z))])
+          if (on_class_[bitOf(voxel + VoxelIndex(x, y, z))])
             return true;
     return false;
   }
 
 private:
-  static constexpr int kEdge = kBlockEdge + 2;
+  static constexpr int kEdge = kBlockEdge + 2; // one voxel on each side
 
   static std::size_t
   bitOf(const VoxelIndex& place)
@@ -80,19 +98,27 @@ private:
   add(const VoxelIndex& step, const std::pair<const RayHit*, const RayHit*>& hits)
   {
     for (const RayHit* hit = hits.first; hit != hits.second; ++hit) {
-      const VoxelIndex voxel(hit->offset & 7, hit->offset >> 3 & 7, hit->offset >> 6);
-      const VoxelIndex place = voxel + step * kBlockEdge + VoxelIndex::Ones();
+      if (step.isZero())
+        inside_.set(hit->offset);
+      const Label label = labelOf(scan_, hit->point);
+      if (label != label_ && label != kUnlabelled)
+        continue;
+      const VoxelIndex place =
+          placeInBlock(hit->offset) + step * kBlockEdge + VoxelIndex::Ones();
       if ((place.array() >= 0).all() && (place.array() < kEdge).all())
-        hits_.set(bitOf(place));
+        on_class_.set(bitOf(place));
     }
   }
 
-  std::bitset<kEdge * kEdge * kEdge> hits_;
+  Label label_;
+  const Scan& scan_;
+  std::bitset<kBlockVoxels> inside_;
+  std::bitset<kEdge * kEdge * kEdge> on_class_;
 };
 
-// The candidates without a hit on or beside them, by slot and offset.
+// The candidates that no hit holds, by slot and offset.
 std::vector<Candidate>
-findCandidates(const ClassFlags& dynamic, const BlockReader& reader,
+findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan& scan,
                const RayCaster& caster, const RayCaster::Grid& grid)
 {
   struct Place {
@@ -115,17 +141,18 @@ findCandidates(const ClassFlags& dynamic, const BlockReader& reader,
         if (reader.isOccupied(*block, offset)) {
           const Label label = reader.label(*block, offset);
           if (dynamic[label])
-            here.push_back({index * kBlockEdge +
-                                VoxelIndex(offset & 7, offset >> 3 & 7, offset >> 6),
+            here.push_back({index * kBlockEdge + placeInBlock(offset),
                             grid.slotOf(index), offset, label});
         }
-      if (here.empty())
-        return;
-      const HitsAround hits(index, caster, grid);
-      here.erase(std::remove_if(
-                     here.begin(), here.end(),
-                     [&](const Candidate& each) { return hits.isNear(each.offset); }),
-                 here.end());
+      std::optional<HitsAround> hits; // of the class before
+      Label hits_label = kUnlabelled;
+      const auto isHeld = [&](const Candidate& each) {
+        if (!hits || hits_label != each.label)
+          hits.emplace(each.label, index, scan, caster, grid);
+        hits_label = each.label;
+        return hits->hold(each.offset);
+      };
+      here.erase(std::remove_if(here.begin(), here.end(), isHeld), here.end());
     });
   guard.rethrow();
   std::vector<Candidate> all;
@@ -281,8 +308,7 @@ countRays(const std::vector<Candidate>& candidates, const Scan& scan,
     const auto [first, last] = bins.in(DirectionBins::binOf(direction));
     if (first == last)
       continue;
-    const Label label =
-        scan.distributions ? scan.distributions->mapLabel(Eigen::Index(i)) : kUnlabelled;
+    const Label label = labelOf(scan, i);
     if (sky[label])
       continue;
     const double farthest = length - marginOf(scan, i, position);
@@ -317,12 +343,11 @@ freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
   const int classes = label_set.size();
   const BlockReader reader(classes, parameters);
   const std::vector<Candidate> candidates =
-      findCandidates(dynamic, reader, caster, grid);
+      findCandidates(dynamic, reader, scan, caster, grid);
   if (candidates.empty())
     return 0;
   const std::vector<std::uint32_t> rays =
       countRays(candidates, scan, T_world_sensor, parameters.voxel_size, sky);
-  const bool is_exact = scan.depth_error == 0.0 && !scan.deviations;
   const OccupancyUpdate occupancy(parameters.fusion);
   std::size_t freed = 0;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -330,10 +355,7 @@ freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
       continue;
     VoxelBlock& block = *grid.at(candidates[c].slot);
     block.changed = true;
-    StoredLogOdds& log_odds = block.log_odds[std::size_t(candidates[c].offset)];
-    if (!is_exact && !occupancy.lowerToLast(log_odds))
-      continue;
-    occupancy.setFree(log_odds);
+    occupancy.setFree(block.log_odds[std::size_t(candidates[c].offset)]);
     const int record = block.recordAt(candidates[c].offset);
     block.records[std::size_t(record)] = VoxelRecord();
     std::fill_n(block.measured.begin() + record * classes, classes, 0.0f);

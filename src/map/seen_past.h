@@ -16,12 +16,11 @@ namespace pcl_semantic {
 /** \brief Frees the voxels of dynamic classes that a scan sees past, so that moving
  * objects leave no trail.
  *
- * A scan sees past an occupied voxel if no ray ends in it or its 26 neighbours, and at
- * least two rays pass through it and end behind it by max(3 deviations, 1 m) or more,
- * on another class. If depths are exact, the voxel becomes free at once. Otherwise the
- * first such scan reduces its log-odds to one miss above even odds, so that a second
- * one makes it free, unless a hit comes between. Voxels that no ray passes keep their
- * state. A free voxel loses its colour and its labels.
+ * A scan sees past an occupied voxel if no ray ends in it, none ends in its 26
+ * neighbours on its class or on no class, and at least two rays pass through it and end
+ * behind it by max(3 deviations, 1 m) or more, on another class. One such scan frees the
+ * voxel. Voxels that no ray passes keep their state. A free voxel loses its colour and
+ * its labels.
  *
  * Counts of rays are sums, so the result depends neither on the order of the points nor
  * on the number of threads.

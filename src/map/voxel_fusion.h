@@ -35,18 +35,6 @@ public:
     add(voxel, change > 1 ? change : 1);
   }
 
-  /** \brief Lowers an occupied voxel to one miss above the threshold.
-   * \return whether it was lower already */
-  bool
-  lowerToLast(StoredLogOdds& voxel) const
-  {
-    const int last = occupied_ - miss_;
-    if (voxel < last)
-      return true;
-    voxel = static_cast<StoredLogOdds>(last);
-    return false;
-  }
-
   /** \brief Makes an occupied voxel free: one miss below the threshold. */
   void
   setFree(StoredLogOdds& voxel) const
