@@ -139,10 +139,10 @@ knownIn(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& h
 #pragma omp parallel for schedule(dynamic, 16)
   for (std::size_t b = 0; b < merged.size(); ++b)
     guard.run([&] {
-      merged[b].second = known[b]->size() == 1
-                             ? *known[b]->front()
-                             : mergeBlocks(*known[b], header.label_set,
-                                           header.parameters.fusion);
+      merged[b].second =
+          known[b]->size() == 1
+              ? *known[b]->front()
+              : mergeBlocks(*known[b], header.label_set, header.parameters.fusion);
     });
   guard.rethrow();
   return merged;

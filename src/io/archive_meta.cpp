@@ -109,7 +109,7 @@ decodeParameters(const Bytes& bytes)
   MapParameters parameters;
   NamedValues missing = valuesOf(parameters);
   double pixel_fusion = 0.0, per_ray_counting = 0.0;
-  double free_dynamic = 0.0; // of older archives
+  double free_dynamic = 0.0;                           // of older archives
   auto clearing = static_cast<double>(Clearing::full); // default of older archives
   missing["pixel_fusion"] = &pixel_fusion;
   missing["per_ray_counting"] = &per_ray_counting;

@@ -169,8 +169,8 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, const LabelSet& label_
     if (sources.empty())
       continue;
     mergeVoxel(sources, offset, classes, fusion, keeps_refined, merged);
-    const float* const measured = merged.measured.data() +
-                                  merged.recordAt(offset) * classes;
+    const float* const measured =
+        merged.measured.data() + merged.recordAt(offset) * classes;
     if (fusion.free_dynamic && label_set[labelOf(measured, classes)].dynamic)
       freeDynamic(blocks, std::size_t(offset), fusion,
                   merged.log_odds[std::size_t(offset)]);

@@ -214,7 +214,8 @@ private:
     return std::clamp(int((slope + 1.0) * 0.5 * kBins), 0, kBins - 1);
   }
 
-  // Cells of the slopes that an interval has between two distances; empty beyond a face.
+  // Cells of the slopes that an interval has between two distances; empty beyond a
+  // face.
   static std::pair<int, int>
   range(double low, double edge, double near, double far)
   {
@@ -278,7 +279,7 @@ exitOf(const Eigen::Vector3d& corner, double edge, const Eigen::Vector3d& direct
   return entry < exit ? exit : -1.0;
 }
 
-// How far behind a voxel the end of a ray has to lie [m].
+// Minimum distance of the end of a ray behind a voxel [m].
 double
 marginOf(const Scan& scan, std::size_t point, const Eigen::Vector3f& position)
 {
@@ -315,10 +316,9 @@ countRays(const std::vector<Candidate>& candidates, const Scan& scan,
     for (const std::uint32_t* c = first; c != last; ++c) {
       if (candidates[*c].label == label)
         continue;
-      const double exit =
-          exitOf(candidates[*c].voxel.cast<double>() * voxel_size -
-                     T_world_sensor.translation(),
-                 voxel_size, direction);
+      const double exit = exitOf(candidates[*c].voxel.cast<double>() * voxel_size -
+                                     T_world_sensor.translation(),
+                                 voxel_size, direction);
       if (exit >= 0.0 && exit <= farthest &&
           __atomic_load_n(&rays[*c], __ATOMIC_RELAXED) < kLeastRays)
         __atomic_fetch_add(&rays[*c], 1, __ATOMIC_RELAXED);

@@ -168,8 +168,8 @@ SemanticVoxelMap::State::integrate(const Scan& scan,
   if (parameters.fusion.per_ray_counting)
     countRays(ray_caster, parameters, scan, grid);
   if (parameters.fusion.free_dynamic)
-    counts.freed = freeSeenPast(label_set, parameters, scan, T_world_sensor,
-                                ray_caster, grid);
+    counts.freed =
+        freeSeenPast(label_set, parameters, scan, T_world_sensor, ray_caster, grid);
   return counts;
 }
 

@@ -35,12 +35,11 @@ public:
     add(voxel, change > 1 ? change : 1);
   }
 
-  /** \brief Makes an occupied voxel free: one miss below the threshold. */
+  /** \brief Makes a voxel free: two misses below the threshold. */
   void
   setFree(StoredLogOdds& voxel) const
   {
-    voxel = static_cast<StoredLogOdds>(
-        std::max(min_, occupied_ + miss_));
+    voxel = static_cast<StoredLogOdds>(std::max(min_, occupied_ + 2 * miss_));
   }
 
   void
