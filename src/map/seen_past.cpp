@@ -116,9 +116,21 @@ private:
   std::bitset<kEdge * kEdge * kEdge> on_class_;
 };
 
+// A voxel whose depth is less certain is not judged.
+bool
+isCertain(const VoxelIndex& voxel, const Scan& scan, const Eigen::Vector3d& sensor,
+          double voxel_size)
+{
+  const double squared_distance =
+      ((voxel.cast<double>().array() + 0.5).matrix() * voxel_size - sensor)
+          .squaredNorm();
+  return kDeviations * scan.depth_error * squared_distance <= kLeastDistance;
+}
+
 // The candidates that no hit holds, by slot and offset.
 std::vector<Candidate>
 findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan& scan,
+               const Eigen::Vector3d& sensor, double voxel_size,
                const RayCaster& caster, const RayCaster::Grid& grid)
 {
   struct Place {
@@ -140,9 +152,9 @@ findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan&
       for (int offset = 0; offset < kBlockVoxels; ++offset)
         if (reader.isOccupied(*block, offset)) {
           const Label label = reader.label(*block, offset);
-          if (dynamic[label])
-            here.push_back({index * kBlockEdge + placeInBlock(offset),
-                            grid.slotOf(index), offset, label});
+          const VoxelIndex voxel = index * kBlockEdge + placeInBlock(offset);
+          if (dynamic[label] && isCertain(voxel, scan, sensor, voxel_size))
+            here.push_back({voxel, grid.slotOf(index), offset, label});
         }
       std::optional<HitsAround> hits; // of the class before
       Label hits_label = kUnlabelled;
@@ -343,7 +355,8 @@ freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
   const int classes = label_set.size();
   const BlockReader reader(classes, parameters);
   const std::vector<Candidate> candidates =
-      findCandidates(dynamic, reader, scan, caster, grid);
+      findCandidates(dynamic, reader, scan, T_world_sensor.translation(),
+                     parameters.voxel_size, caster, grid);
   if (candidates.empty())
     return 0;
   const std::vector<std::uint32_t> rays =

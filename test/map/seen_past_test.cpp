@@ -116,21 +116,20 @@ TEST_F(SeenPast, OneScanFreesAVoxel)
   EXPECT_EQ(map_.state({5.1, 0.0, 0.0}).label, kStill);
 }
 
-TEST_F(SeenPast, DepthsWithErrorsFreeFartherInFrontOfThem)
+TEST_F(SeenPast, DepthsWithErrorsFreeLess)
 {
-  for (int i = 0; i < 9; ++i)
-    integrate(square(5.1, kMoving));
-  const auto isOccupied = [&] {
-    return map_.state({5.1, 0.0, 0.0}).occupancy == Occupancy::occupied;
+  const auto freed = [&](double error, double wall) {
+    for (int i = 0; i < 9; ++i)
+      integrate(square(5.1, kMoving));
+    map_.setDepthError(error);
+    integrate(square(wall, kStill));
+    map_.setDepthError(0.0);
+    return counts_.freed;
   };
-  map_.setDepthError(0.02); // three deviations are 4.97 m at 9.1 m
-  integrate(square(9.1, kStill));
-  EXPECT_EQ(counts_.freed, 0u);
-  EXPECT_TRUE(isOccupied());
-  map_.setDepthError(0.015); // 3.7 m
-  integrate(square(9.1, kStill));
-  EXPECT_GT(counts_.freed, 0u);
-  EXPECT_FALSE(isOccupied());
+  EXPECT_GT(freed(0.0120, 19.9), 0u);
+  EXPECT_EQ(freed(0.0126, 19.9), 0u) << "three deviations of the wall are 15 m";
+  EXPECT_GT(freed(0.0120, 12.1), 0u);
+  EXPECT_EQ(freed(0.0135, 12.1), 0u) << "three deviations of the voxel are 1.06 m";
   EXPECT_THROW(map_.setDepthError(-1.0), InvalidParameterException);
   EXPECT_THROW(map_.setDepthError(std::nan("")), InvalidParameterException);
 }
