@@ -35,6 +35,7 @@ addFrame(const StereoFrame& frame, const StereoCamera& camera,
   const DisparityImage disparity = stereo->estimate(frame.left, frame.right);
   const auto cloud = disparityToCloud(disparity.disparity, frame.left, camera);
   eraseSeenThrough(*cloud, camera, T_world_camera, map.parameters().voxel_size, 0.33);
+  map.setDepthError(camera.depthError());
   const ScanCounts counts = map.integrate(*cloud, T_world_camera, labels);
   std::cout << "frame " << frame.number << ": " << counts.rays << " rays hit "
             << counts.hit_voxels << " voxels\n";

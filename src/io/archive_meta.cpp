@@ -89,7 +89,7 @@ encodeParameters(const MapParameters& parameters)
   MapParameters copy = parameters;
   const NamedValues values = valuesOf(copy);
   ByteWriter writer;
-  writer.put(static_cast<std::uint32_t>(values.size() + 3));
+  writer.put(static_cast<std::uint32_t>(values.size() + 4));
   const auto put = [&](const std::string& name, double value) {
     writer.putText(name);
     writer.put(value);

@@ -68,8 +68,15 @@ BlockReader::label(const VoxelBlock& block, int offset) const
 {
   const int record = block.recordAt(offset);
   const Label refined = mapLabel(block.refined.data() + record * classes_, classes_);
-  if (refined != kUnlabelled || block.records[record].label_observations == 0)
-    return refined;
+  return refined != kUnlabelled ? refined : measuredLabel(block, offset);
+}
+
+Label
+BlockReader::measuredLabel(const VoxelBlock& block, int offset) const
+{
+  const int record = block.recordAt(offset);
+  if (block.records[record].label_observations == 0)
+    return kUnlabelled;
   // The largest log-probability is 0, the others are negative.
   const float* const measured = block.measured.data() + record * classes_;
   return static_cast<Label>(std::max_element(measured, measured + classes_) - measured +

@@ -46,6 +46,9 @@ public:
    * else measured; kUnlabelled if there is neither. */
   Label label(const VoxelBlock& block, int offset) const;
 
+  /** \brief The same without refined distributions. */
+  Label measuredLabel(const VoxelBlock& block, int offset) const;
+
   VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
                    int offset) const;
 

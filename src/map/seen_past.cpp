@@ -151,7 +151,8 @@ findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan&
       std::vector<Candidate>& here = found[p];
       for (int offset = 0; offset < kBlockVoxels; ++offset)
         if (reader.isOccupied(*block, offset)) {
-          const Label label = reader.label(*block, offset);
+          // A CRF must not change the occupancy of a map.
+          const Label label = reader.measuredLabel(*block, offset);
           const VoxelIndex voxel = index * kBlockEdge + placeInBlock(offset);
           if (dynamic[label] && isCertain(voxel, scan, sensor, voxel_size))
             here.push_back({voxel, grid.slotOf(index), offset, label});

@@ -18,9 +18,9 @@ namespace pcl_semantic {
  *
  * A scan sees past an occupied voxel if no ray ends in it, none ends in its 26
  * neighbours on its class or on no class, and at least two rays pass through it and end
- * behind it by max(3 deviations, 1 m) or more, on another class. One such scan frees the
- * voxel, unless 3 deviations of its own depth exceed 1 m. Voxels that no ray passes keep
- * their state. A free voxel loses its colour and its labels.
+ * behind it by max(3 deviations, 1 m) or more, on another class. One such scan frees
+ * the voxel, unless 3 deviations of its own depth exceed 1 m. Voxels that no ray passes
+ * keep their state. A free voxel loses its colour and its labels.
  *
  * Counts of rays are sums, so the result depends neither on the order of the points nor
  * on the number of threads.

@@ -304,10 +304,8 @@ SemanticMapper::withoutSeenThrough(const MappedFrame& mapped, std::size_t& erase
 void
 SemanticMapper::setDepthError(const SensorFrame& frame)
 {
-  constexpr double disparity_error = 0.125; // [px]
   const bool is_stereo = camera_ && !std::holds_alternative<RgbdFrame>(frame);
-  map_.setDepthError(is_stereo ? disparity_error / (camera_->fx * camera_->baseline)
-                               : 0.0);
+  map_.setDepthError(is_stereo ? camera_->depthError() : 0.0);
 }
 
 ScanCounts

@@ -127,17 +127,21 @@ TEST_F(StreetArchive, ExportOfABoxAndOfClasses)
 
 TEST_F(StreetArchive, Merge)
 {
+  // Freed voxels are not sums.
+  const std::string sums = folder_->write("sums.yaml", "free_dynamic: false\n");
   const std::string first = folder_->path("first.map"),
-                    rest = folder_->path("rest.map");
-  for (const auto& [path, frames] : {std::pair{first, "0:1"}, std::pair{rest, "1:3"}})
-    succeed(mapCommand(folder_->path("part"),
-                       std::string("--frames ") + frames + " --archive " + path));
+                    rest = folder_->path("rest.map"), all = folder_->path("all.map");
+  for (const auto& [path, frames] :
+       {std::pair{first, "0:1"}, std::pair{rest, "1:3"}, std::pair{all, "0:3"}})
+    succeed(mapCommand(folder_->path("part"), std::string("--frames ") + frames +
+                                                  " --config " + sums + " --archive " +
+                                                  path));
   const std::string joined = folder_->path("joined.map");
   EXPECT_TRUE(
       holds(succeed("archive merge " + first + " " + rest + " " + joined), "blocks: "));
   EXPECT_TRUE(holds(succeed("archive verify " + joined), "ok"));
   // What several frames know is the same, whether they were merged or mapped.
-  const MapArchive a(archive_, ArchiveAccess::read), b(joined, ArchiveAccess::read);
+  const MapArchive a(all, ArchiveAccess::read), b(joined, ArchiveAccess::read);
   EXPECT_EQ(a.state().blocks, b.state().blocks);
   std::size_t same = 0, voxels = 0;
   a.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {

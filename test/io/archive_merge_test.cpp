@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/io/archive_merge.h>
+#include <pcl_semantic/io/map_file.h>
 
 #include <algorithm>
 #include <cmath>
@@ -110,8 +111,10 @@ TEST(ArchiveMerge, AddsWhatBothKnowAndKeepsWhatOneKnows)
   b[both] = makeMapBlock(200, 2);
   a[first] = makeMapBlock(50, 3);
   b[second] = makeMapBlock(0, 4);
-  writeMap(folder.path("a"), a);
-  writeMap(folder.path("b"), b);
+  ArchiveHeader header = makeArchiveHeader();
+  header.parameters.fusion.free_dynamic = false; // plain sums for cars, too
+  writeMap(folder.path("a"), a, header);
+  writeMap(folder.path("b"), b, header);
   EXPECT_EQ(
       mergeArchives(placed({folder.path("a"), folder.path("b")}), folder.path("c")),
       3u);
@@ -203,6 +206,70 @@ TEST(ArchiveMerge, MapsThatDoNotFitAreRefused)
   EXPECT_TRUE(bytesOf(folder.path("d")) == bytes);
   EXPECT_THROW(mergeArchives(placed({folder.path("a")}), folder.path("c")),
                InvalidParameterException);
+}
+
+namespace {
+
+// A square across the x axis, in the frame of a map at \a T_world_map.
+void
+integrateSquare(double x, double half, Label label,
+                const Eigen::Isometry3d& T_world_map, SemanticVoxelMap& map)
+{
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  for (double y = -half; y <= half; y += 0.05)
+    for (double z = -half; z <= half; z += 0.05)
+      cloud.push_back({float(x), float(y), float(z)});
+  LabelDistributions distributions(classes, Eigen::Index(cloud.size()));
+  for (Eigen::Index i = 0; i < distributions.size(); ++i)
+    distributions.setLabel(i, label, 0.9f);
+  map.integrate(cloud, T_world_map.inverse(), distributions);
+}
+
+// Writes the map of a drive with a parked car, and with a car that stands before the
+// parked one in the first drive and has left in the second.
+void
+writeDrive(const std::string& path, bool is_first, const Eigen::Isometry3d& T_world_map)
+{
+  ArchiveHeader header = makeArchiveHeader();
+  header.parameters.window = {32, 32, 32};
+  header.parameters.max_range = 20;
+  SemanticVoxelMap map(header.label_set, header.parameters);
+  for (int i = 0; i < 3; ++i)
+    integrateSquare(12.1, 3.0, 2, T_world_map, map);
+  for (int i = 0; i < 6; ++i)
+    if (is_first) // six hits
+      integrateSquare(6.1, 0.6, 2, T_world_map, map);
+    else if (i < 3) // six misses with those before: fewer than the hits outweigh
+      integrateSquare(9.1, 1.2, 1, T_world_map, map);
+  saveMap(map, path);
+}
+
+} // namespace
+
+TEST(ArchiveMerge, ACarThatLeftStaysAwayAndAParkedOneStays)
+{
+  const TemporaryFolder folder;
+  Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+  turned.rotate(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
+  turned.pretranslate(Eigen::Vector3d(3.3, -1.2, 0.4));
+  int number = 0;
+  for (const Eigen::Isometry3d& motion : {Eigen::Isometry3d::Identity(), turned}) {
+    const std::string first = folder.path("first" + std::to_string(number)),
+                      second = folder.path("second" + std::to_string(number)),
+                      merged = folder.path("merged" + std::to_string(number++));
+    writeDrive(first, true, Eigen::Isometry3d::Identity());
+    writeDrive(second, false, motion);
+    mergeArchives({{first, Eigen::Isometry3d::Identity()}, {second, motion}}, merged);
+    std::size_t left = 0, parked = 0;
+    const auto map = loadMap(merged);
+    map->moveWindow({8, 0, 0});
+    for (const pcl::PointXYZRGBL& point : *map->occupied().cloud) {
+      left += point.label == 2 && std::abs(point.x - 6.1f) < 0.4f;
+      parked += point.label == 2 && std::abs(point.x - 12.1f) < 0.4f;
+    }
+    EXPECT_EQ(left, 0u) << number;
+    EXPECT_GT(parked, 500u) << number;
+  }
 }
 
 } // namespace pcl_semantic

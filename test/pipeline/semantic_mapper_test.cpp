@@ -258,6 +258,7 @@ TEST_F(Street, LabelsMayComeLater)
 {
   MapperConfig config;
   config.crf = CRFModelType::unary;
+  config.map.fusion.free_dynamic = false; // it depends on the labels of a scan
   SemanticMapper at_once = makeMapper(config);
   SemanticMapper later = makeMapper(config, std::make_unique<NoLabels>());
   LateLabels late(labels(), later);

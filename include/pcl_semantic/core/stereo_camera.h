@@ -32,6 +32,14 @@ struct StereoCamera {
     return fx * baseline / disparity;
   }
 
+  /** \brief Standard deviation of a depth divided by its square [1/m], for a disparity
+   * with a standard deviation of 0.125 px; see SemanticVoxelMap::setDepthError(). */
+  double
+  depthError() const
+  {
+    return 0.125 / (fx * baseline);
+  }
+
   /** \brief Point in the left camera's frame [m] of a pixel at a depth [m]. */
   Eigen::Vector3d
   unproject(double u, double v, double depth) const
