@@ -9,6 +9,7 @@
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
 
+#include <cmath>
 #include <iomanip>
 
 namespace pcl_semantic {
@@ -31,6 +32,12 @@ readClass(const YamlMap& entry)
   entry.get("sky", result.sky);
   entry.get("dynamic", result.dynamic);
   entry.get("thin", result.thin);
+  entry.get("thing", result.thing);
+  entry.get("gap", result.gap);
+  if (!(result.gap >= 0.0 && std::isfinite(result.gap)))
+    badInput(entry.where("gap"), ": got ", result.gap, ", expected 0 or more [m]");
+  if (result.gap > 0.0 && !result.thing)
+    badInput(entry.where("gap"), ": is only for classes with thing: true");
   entry.refuseUnknownKeys();
   return result;
 }
@@ -70,6 +77,10 @@ writeLabelSet(const std::string& path, const LabelSet& label_set)
          << int(each.colour[0]) << ", " << int(each.colour[1]) << ", "
          << int(each.colour[2]) << "]" << (each.sky ? ", sky: true" : "")
          << (each.dynamic ? ", dynamic: true" : "") << (each.thin ? ", thin: true" : "")
+         << (each.thing ? ", thing: true" : "");
+    if (each.gap > 0.0)
+      text << ", gap: " << each.gap;
+    text
          << "}\n";
   }
   writeTextFile(path, text.str());

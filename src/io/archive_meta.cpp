@@ -60,7 +60,8 @@ encodeLabelSet(const LabelSet& label_set)
     for (const std::uint8_t channel : each.colour)
       writer.put(channel);
     writer.put(static_cast<std::uint8_t>(each.sky));
-    writer.put(static_cast<std::uint8_t>(each.dynamic | each.thin << 1));
+    writer.put(static_cast<std::uint8_t>(each.dynamic | each.thin << 1 |
+                                         each.thing << 2));
   }
   return writer.bytes();
 }
@@ -78,6 +79,7 @@ decodeLabelSet(const Bytes& bytes)
     const auto flags = reader.get<std::uint8_t>();
     each.dynamic = flags & 1;
     each.thin = flags & 2;
+    each.thing = flags & 4;
   }
   requireEnd(reader);
   return makeOrRefuse([&] { return LabelSet(std::move(classes)); });

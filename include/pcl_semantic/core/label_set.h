@@ -28,6 +28,8 @@ struct LabelClass {
   bool dynamic = false;                 ///< moves or can move
   bool thin = false; ///< thinner than the neighbourhood of a CRF, such as a pole or
                      ///< fence
+  bool thing = false; ///< consists of objects that can be counted
+  double gap = 0.0;   ///< between neighbouring points of an object [m]; 0 = the default
 };
 
 /** \brief The classes of a map: numbers 1..L with names and colours, chosen at run time

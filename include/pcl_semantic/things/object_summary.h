@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
+
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief An upright box that is turned about the z axis. */
+struct YawBox {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(); ///< [m]
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();   ///< along its own axes; x >= y [m]
+  double yaw = 0.0; ///< of its x axis from the frame's x axis, -pi/2 .. pi/2 [rad]
+
+  /** \brief The corners: the lower four, then the upper four, each counterclockwise
+   * seen from above. */
+  std::vector<Eigen::Vector3d> corners() const;
+};
+
+/** \brief Finds the upright box of the smallest base that contains all points.
+ * \param[in] points one or more [m] */
+YawBox smallestBox(const std::vector<Eigen::Vector3d>& points);
+
+/** \brief An object of a labelled cloud, in the frame of the cloud. */
+struct ObjectSummary {
+  std::uint32_t id = 0;                             ///< from 1
+  Label label = kUnlabelled;                        ///< its class
+  std::vector<float> probabilities;                 ///< L, mean of its points; or empty
+  std::size_t points = 0;                           ///< number of points
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(); ///< mean of its points [m]
+  Eigen::AlignedBox3d box;                          ///< axis-aligned [m]
+  YawBox yaw_box;
+};
+
+/** \brief Summarizes the points of an object, without id, label and probabilities.
+ * \param[in] points one or more [m] */
+ObjectSummary summarizeObject(const std::vector<Eigen::Vector3d>& points);
+
+} // namespace pcl_semantic
