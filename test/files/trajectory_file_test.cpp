@@ -109,8 +109,9 @@ TEST(KittiTrajectory, RoundTripsExactly)
 TEST(KittiTrajectory, NamesTheLineOfWhatCannotBeUsed)
 {
   const std::string good = identity + "\n";
-  EXPECT_TRUE(refusesKitti(good + identity.substr(0, 21), "line 2: has 11"));
-  EXPECT_TRUE(refusesKitti(good + identity + " 0\n", "line 2"));
+  EXPECT_TRUE(refusesKitti(good + identity.substr(0, 21),
+                           "line 2: has 11 numbers, expected 12"));
+  EXPECT_TRUE(refusesKitti(good + identity + " 0\n", "line 2: has 13 numbers"));
   for (const char* const bad : {"nan", "inf", "-inf", "1,5", "abc", "1e999"})
     EXPECT_TRUE(refusesKitti(good + "1 0 0 0 0 1 0 0 0 0 1 " + bad, "line 2")) << bad;
   EXPECT_TRUE(refusesKitti("1 0 0 0 0 1 0 0 0 0 -1 0", "line 1")); // a mirror
