@@ -256,11 +256,11 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   };
   for (const auto& [name, other, says] : // other data behind the same paths
        {std::tuple("/image_3/000000.png", "/image_3/000001.png",
-                   "holds frame 0 as it was, which is another one now"),
+                   "frame 0 changed since the archived run"),
         std::tuple("/image_2/000005.png", "/image_2/000001.png",
-                   "holds frame 5 as it was, which is another one now"),
+                   "frame 5 changed since the archived run"),
         std::tuple("/labels/000010.bin", "/labels/000003.bin",
-                   "holds labels of frame 10 as it was")}) {
+                   "labels of frame 10 changed since")}) {
     copy(street + other, name);
     refuses("", says);
     copy(thereAndBack() + name, name);

@@ -20,9 +20,9 @@ namespace fs = std::filesystem;
 TEST(MapToolOptions, OldNamesAndKeysOfPresetsAreRefused)
 {
   for (const auto& [option, says] :
-       {std::pair("--hit-share 0.2", "--hit-share: is min_hit_ratio now"),
-        {"--crf-tolerance=0.1", "--crf-tolerance: had no effect, removed"},
-        {"--superpixel-keep true", "--superpixel-keep: is no option, but a key"}})
+       {std::pair("--hit-share 0.2", "--hit-share: was renamed to min_hit_ratio"),
+        {"--crf-tolerance=0.1", "--crf-tolerance: was removed, it had no effect"},
+        {"--superpixel-keep true", "--superpixel-keep: is no option, only a key"}})
     expectFails("map " + std::string(option) + " --print-config", 2, says);
   EXPECT_FALSE(holds(runTool("map --help-all").text, "superpixel-keep"));
   EXPECT_FALSE(holds(succeed("map --print-config"), "superpixel_keep"));

@@ -106,7 +106,7 @@ TEST(BadInput, Trajectories)
            {"1403636579763555584 0 0 0 0 0 0 1\n",
             "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
            {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
-            "a.txt line 2: its time is not after"},
+            "a.txt line 2: time is not later than"},
            {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"}}) {
     SCOPED_TRACE(text);
     const std::string path = folder.write("a.txt", text);
