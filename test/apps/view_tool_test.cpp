@@ -343,8 +343,7 @@ TEST(BadUsage, ViewTool)
          std::ofstream(street + "/a.pcd") << asciiCloud("x y z", "1 2 3\n");
        }},
       {2, "--hide: no class is called 'cat'", draw + " --hide cat", cloud},
-      {2, "--images needs the poses of the camera", draw + " --images STREET",
-       cloud},
+      {2, "--images needs the poses of the camera", draw + " --images STREET", cloud},
       {2, "none for --frame 0", draw + " --view camera", cloud},
       {5, "calib.txt", "view STREET/a.pcd --screenshot STREET/calib.txt/b.png", cloud},
   });

@@ -125,8 +125,8 @@ TEST(KittiTrajectory, NamesTheLineOfWhatCannotBeUsed)
   // It has a row for every frame.
   EXPECT_EQ(readKitti("# by some tool\n#\n" + good + good + "\n \n").size(), 2u);
   for (const char* const gap : {"\n", "# lost\n", " \r\n"})
-    EXPECT_TRUE(refusesKitti(good + gap + good,
-                             "poses.txt line 2: is empty, but a later line has a pose"));
+    EXPECT_TRUE(refusesKitti(
+        good + gap + good, "poses.txt line 2: is empty, but a later line has a pose"));
   for (const char* const nothing : {"", "\n\n", "# nothing\n"})
     EXPECT_TRUE(refusesKitti(nothing, "poses.txt: holds no pose"));
   thrownMessage<BadInputException>([] { readKittiTrajectory("/no/such/poses.txt"); });
