@@ -56,15 +56,23 @@ exportOf(const std::string& archive)
   return bytesOf(path);
 }
 
+// A run that nothing interrupts, made once.
+struct WholeRun {
+  WholeRun() { succeed(mapCommand(output, archive)); }
+
+  TemporaryFolder folder;
+  std::string output = folder.path("whole"), archive = folder.path("whole.map");
+};
+
+const WholeRun&
+wholeRun()
+{
+  static const WholeRun run;
+  return run;
+}
+
 class ArchivedRun : public testing::Test {
 protected:
-  void
-  SetUp() override
-  {
-    const ToolResult result = runTool(mapCommand(whole_, whole_archive_));
-    ASSERT_EQ(result.code, 0) << result.text;
-  }
-
   // Resumes the run and expects the result of the uninterrupted run.
   ToolResult
   expectGoesOn(const std::string& output, const std::string& archive) const
@@ -101,8 +109,8 @@ protected:
   }
 
   const TemporaryFolder folder_;
-  const std::string whole_ = folder_.path("whole");
-  const std::string whole_archive_ = folder_.path("whole.map");
+  const std::string output_ = folder_.path("out"), archive_ = folder_.path("run.map");
+  const std::string &whole_ = wholeRun().output, &whole_archive_ = wholeRun().archive;
 };
 
 } // namespace
@@ -133,14 +141,13 @@ TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
   int resumed = 0, killed = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
     SCOPED_TRACE(files[i]);
-    const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-    fs::remove_all(output);
-    fs::remove(archive);
-    killed += kill(output, archive, files[i], int(random() % 50));
+    fs::remove_all(output_);
+    fs::remove(archive_);
+    killed += kill(output_, archive_, files[i], int(random() % 50));
     if (i % 5 == 0) // once more, some frames later
-      killed += kill(output, archive, files[std::min(i + 5, files.size() - 1)],
+      killed += kill(output_, archive_, files[std::min(i + 5, files.size() - 1)],
                      int(random() % 50));
-    const ToolResult result = expectGoesOn(output, archive);
+    const ToolResult result = expectGoesOn(output_, archive_);
     resumed += result.text.rfind("resumed_after: ", 0) == 0;
   }
   EXPECT_GE(killed, 8) << "runs end before they can be killed";
@@ -155,17 +162,17 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
        {std::pair<std::string, int>{"INT", 1}, {"HUP", 3}, {"INT", 4}}) {
     SCOPED_TRACE(frame);
     const std::string name = std::to_string(frame);
-    const std::string output = folder_.path("out" + name);
-    const std::string archive = folder_.path(name + ".map");
+    fs::remove_all(output_);
+    fs::remove(archive_);
     const ToolResult result =
-        runShell(shellCommand(mapCommand(output, archive)) +
-                 " 2>&1 & while kill -0 $! && ! test -e " + output + "/labels/00000" +
+        runShell(shellCommand(mapCommand(output_, archive_)) +
+                 " 2>&1 & while kill -0 $! && ! test -e " + output_ + "/labels/00000" +
                  name + ".png; do sleep 0.01; done; kill -" + signal + " $!; wait $!");
     EXPECT_EQ(result.code, 130) << result.text;
     {
-      const MapArchive interrupted(archive, ArchiveAccess::read);
+      const MapArchive interrupted(archive_, ArchiveAccess::read);
       EXPECT_FALSE(interrupted.state().finished);
-      const nlohmann::json summary = readJson(output + "/summary.json");
+      const nlohmann::json summary = readJson(output_ + "/summary.json");
       EXPECT_EQ(summary["finished"], false);
       const int written = summary["frames"];
       EXPECT_EQ(interrupted.state().frames, std::uint64_t(written))
@@ -175,32 +182,35 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
       std::vector<std::string> names;
       for (int i = 0; i < written; ++i)
         names.push_back(frameFileName(i, ""));
-      EXPECT_EQ(filesIn(output), filesOfMap(names));
+      EXPECT_EQ(filesIn(output_), filesOfMap(names));
     }
-    EXPECT_TRUE(holds(succeed("export " + output + " " + folder_.path(name + ".ply")),
+    EXPECT_TRUE(holds(succeed("export " + output_ + " " + folder_.path(name + ".ply")),
                       "the run was interrupted; the map holds the frames up to then"));
-    EXPECT_FALSE(fs::exists(archive + "-wal"));
-    EXPECT_NE(runTool("archive info " + archive).text.find("interrupted"),
+    EXPECT_FALSE(fs::exists(archive_ + "-wal"));
+    EXPECT_NE(runTool("archive info " + archive_).text.find("interrupted"),
               std::string::npos);
-    expectGoesOn(output, archive);
+    expectGoesOn(output_, archive_);
   }
 }
 
 TEST_F(ArchivedRun, AFinishedRunStaysAsItIs)
 {
-  const std::string before = bytesOf(whole_ + "/map.pcd");
-  fs::remove(whole_ + "/map.pcd");
-  const ToolResult result = expectGoesOn(whole_, whole_archive_);
+  fs::copy(whole_, output_, fs::copy_options::recursive);
+  fs::copy_file(whole_archive_, archive_);
+  fs::remove(output_ + "/map.pcd");
+  const ToolResult result = expectGoesOn(output_, archive_); // with a map.pcd again
   EXPECT_EQ(result.text.rfind("resumed_after: 11\n", 0), 0u) << result.text;
-  EXPECT_TRUE(bytesOf(whole_ + "/map.pcd") == before);
+  // Also where nothing is left to map.
+  succeed(mapCommand(output_, archive_, "--resume --map-only"));
+  EXPECT_EQ(filesIn(output_), filesOfMap({}));
+  EXPECT_FALSE(fs::exists(output_ + "/labels"));
 }
 
 TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
 {
-  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0, "--threads 1"));
-  succeed(mapCommand(output, archive, "--resume --threads 3"));
-  EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
+  EXPECT_TRUE(kill(output_, archive_, "labels/000003.png", 0, "--threads 1"));
+  succeed(mapCommand(output_, archive_, "--resume --threads 3"));
+  EXPECT_TRUE(exportOf(archive_) == exportOf(whole_archive_));
 }
 
 TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
@@ -211,80 +221,68 @@ TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
   const std::string whole = folder_.path("back.map");
   succeed(mapCommand(folder_.path("back"), whole, more));
   EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));
-  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0, more));
+  EXPECT_TRUE(kill(output_, archive_, "labels/000003.png", 0, more));
   // On another processor, too: all tiers give the same bits.
-  succeed(mapCommand(output, archive, "--resume " + more), "PCL_SEMANTIC_SIMD=plain");
-  EXPECT_TRUE(exportOf(archive) == exportOf(whole));
+  succeed(mapCommand(output_, archive_, "--resume " + more), "PCL_SEMANTIC_SIMD=plain");
+  EXPECT_TRUE(exportOf(archive_) == exportOf(whole));
 }
 
 TEST_F(ArchivedRun, WithoutImagesNoneAreLeft)
 {
-  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0));
-  succeed(mapCommand(output, archive, "--resume --map-only"));
+  EXPECT_TRUE(kill(output_, archive_, "labels/000003.png", 0));
+  succeed(mapCommand(output_, archive_, "--resume --map-only"));
   EXPECT_FALSE(
       holds(succeed(mapCommand(folder_.path("plain"), "", "--map-only")), "overlay"));
   EXPECT_EQ(filesIn(folder_.path("plain")), filesOfMap({}));
   for (const char* const file : {"/map.pcd", "/trajectory.txt", "/top_view.png"})
     EXPECT_TRUE(bytesOf(folder_.path("plain") + file) == bytesOf(whole_ + file));
-  EXPECT_TRUE(contentOf(output) == contentOf(folder_.path("plain")));
-  // Also where nothing is left to map.
-  succeed(mapCommand(whole_, whole_archive_, "--resume --map-only"));
-  EXPECT_EQ(filesIn(whole_), filesOfMap({}));
-  EXPECT_FALSE(fs::exists(whole_ + "/labels"));
-  expectFails(mapCommand(output, archive, "--resume"), 3,
+  EXPECT_TRUE(contentOf(output_) == contentOf(folder_.path("plain")));
+  expectFails(mapCommand(output_, archive_, "--resume"), 3,
               "with --map-only if that run had it");
 }
 
 TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
 {
-  const TemporaryFolder copies;
-  const std::string street = copies.path("street");
+  const std::string street = folder_.path("street");
   fs::copy(thereAndBack(), street, fs::copy_options::recursive);
-  const std::string output = copies.path("out"), archive = copies.path("run.map");
-  succeed(mapCommand(output, archive, "", street));
-  const std::string bytes = bytesOf(archive);
+  succeed(mapCommand(output_, archive_, "", street));
   const auto refuses = [&](const std::string& more, const std::string& says) {
-    expectFails(mapCommand(output, archive, "--resume " + more, street), 3,
-                archive + ": is the archive of another run: " + says);
-    EXPECT_TRUE(bytesOf(archive) == bytes) << "nothing committed is lost";
+    expectFails(mapCommand(output_, archive_, "--resume " + more, street), 3,
+                archive_ + ": " + says);
+    EXPECT_TRUE(verifyArchive(archive_).empty());
   };
-  refuses("--crf-temperature 9", "crf_temperature was 3");
-  refuses("--network-every 2", "network_every was 1");
-  refuses("--also depth", "also was none, is [depth]");
-  refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");
+  const auto copy = [&](const std::string& from, const std::string& name) {
+    fs::copy(from, street + name, fs::copy_options::overwrite_existing);
+  };
+  for (const auto& [name, other, says] : // other data behind the same paths
+       {std::tuple("/image_3/000000.png", "/image_3/000001.png",
+                   "frame 0 changed since the archived run"),
+        std::tuple("/image_2/000005.png", "/image_2/000001.png",
+                   "frame 5 changed since the archived run"),
+        std::tuple("/labels/000010.bin", "/labels/000003.bin",
+                   "labels of frame 10 changed since")}) {
+    copy(street + other, name);
+    refuses("", says);
+    copy(thereAndBack() + name, name);
+  }
+  succeed(mapCommand(output_, archive_, "--resume", street));
+  const std::string bytes = bytesOf(archive_);
+  const auto isAnother = [&](const std::string& more, const std::string& says) {
+    refuses(more, "is the archive of another run: " + says);
+    EXPECT_TRUE(bytesOf(archive_) == bytes) << "nothing committed is lost";
+  };
+  for (const auto& [option, says] :
+       {std::pair("--crf-temperature 9", "crf_temperature was 3"),
+        {"--network-every 2", "network_every was 1"},
+        {"--also depth", "also was none, is [depth]"},
+        {"--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9"}})
+    isAnother(option, says);
   setWord(street + "/poses.txt", 11, 12, "0.25");
-  refuses("", "poses was ");
-  fs::copy(thereAndBack() + "/poses.txt", street + "/poses.txt",
-           fs::copy_options::overwrite_existing);
+  isAnother("", "poses was ");
+  copy(thereAndBack() + "/poses.txt", "/poses.txt");
   for (const std::size_t line : {1, 2, 3, 4})
     setWord(street + "/calib.txt", line, 2, "121");
-  refuses("", "camera was ");
-}
-
-TEST_F(ArchivedRun, OtherDataBehindTheSamePathsIsRefused)
-{
-  const TemporaryFolder copies;
-  const std::string street = copies.path("street");
-  fs::copy(thereAndBack(), street, fs::copy_options::recursive);
-  const std::string output = copies.path("out"), archive = copies.path("run.map");
-  succeed(mapCommand(output, archive, "", street));
-  const auto isRefused = [&](const std::string& changed, const std::string& other,
-                             const std::string& says) {
-    fs::copy(street + other, street + changed, fs::copy_options::overwrite_existing);
-    expectFails(mapCommand(output, archive, "--resume", street), 3, says);
-    EXPECT_TRUE(verifyArchive(archive).empty());
-    fs::copy(thereAndBack() + changed, street + changed,
-             fs::copy_options::overwrite_existing);
-  };
-  isRefused("/image_3/000000.png", "/image_3/000001.png",
-            "run.map: frame 0 changed since the archived run");
-  isRefused("/image_2/000005.png", "/image_2/000001.png",
-            "run.map: frame 5 changed since the archived run");
-  isRefused("/labels/000010.bin", "/labels/000003.bin",
-            "run.map: labels of frame 10 changed since");
-  succeed(mapCommand(output, archive, "--resume", street));
+  isAnother("", "camera was ");
 }
 
 TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)

@@ -28,12 +28,6 @@ protected:
     EXPECT_TRUE(holds(text, "\narchive: " + archive_ + "\n"));
   }
 
-  static void
-  TearDownTestSuite()
-  {
-    folder_.reset();
-  }
-
   static std::string
   mapCommand(const std::string& output, const std::string& options)
   {
@@ -79,16 +73,12 @@ TEST_F(StreetArchive, InfoAndVerify)
   expectFails("archive info " + tinyStreet() + "/poses.txt", 3, "is no map archive");
 }
 
-TEST_F(StreetArchive, ExportOfEverythingIsTheMap)
+TEST_F(StreetArchive, ExportOfAllOfABoxAndOfClasses)
 {
   const std::string all = folder_->path("all.pcd");
   EXPECT_TRUE(holds(succeed("archive export " + archive_ + " " + all), "voxels: "));
   EXPECT_TRUE(bytesOf(all) == bytesOf(output_ + "/map.pcd"));
-}
-
-TEST_F(StreetArchive, ExportOfABoxAndOfClasses)
-{
-  const PcdTable map = readPcd(output_ + "/map.pcd");
+  const PcdTable map = readPcd(all);
   const std::size_t size = std::size_t(map.point_step);
   const PcdColumn x(map, 0), y(map, 1), z(map, 2), label(map, map.find("label"));
   const auto chosen = [&](const auto& is_chosen) {
@@ -231,19 +221,6 @@ TEST_F(StreetArchive, SubmapsMoveWithTheirPoses)
   EXPECT_FALSE(fs::exists(joined));
 }
 
-TEST_F(StreetArchive, SubmapsThatCannotBe)
-{
-  const std::string output = folder_->path("none");
-  for (const char* const length : {"0", "-3m", "2.5", "5x", "m", "nan", "1e30m"})
-    expectFails(mapCommand(output, std::string("--submap-every ") + length), 2,
-                "--submap-every");
-  expectFails(mapCommand(output, "--submap-every 2 --archive " + output + ".map"), 2,
-              "--submap-every and --archive or --view exclude each other");
-  expectFails(mapCommand(output, "--submap-every 2 --poses odometry"), 2,
-              "--submap-every needs poses from a file");
-  EXPECT_FALSE(fs::exists(output));
-}
-
 TEST_F(StreetArchive, BadUsage)
 {
   const std::string out = folder_->path("x");
@@ -267,6 +244,10 @@ TEST_F(StreetArchive, BadUsage)
            {"archive merge " + archive_ + " " + archive_ + " " + out,
             "is named twice, and would be believed twice"},
            {"archive info " + archive_ + " --fast", "'--fast'"},
+           {mapCommand(out, "--submap-every 2 --archive " + out + ".map"),
+            "--submap-every and --archive or --view exclude each other"},
+           {mapCommand(out, "--submap-every 2 --poses odometry"),
+            "--submap-every needs poses from a file"},
            {mapCommand(out, "--resume"), "--resume needs --archive"},
            {mapCommand(out, "--archive-every 0"), "--archive-every"},
            {mapCommand(out, "--archive " + out + "/map.pcd"),
@@ -276,6 +257,9 @@ TEST_F(StreetArchive, BadUsage)
            {mapCommand(out, "--archive " + out + "/../x/summary.json"),
             "is a path that --output writes"}})
     expectFails(command, 2, says);
+  for (const char* const length : {"0", "-3m", "2.5", "5x", "m", "nan", "1e30m"})
+    expectFails(mapCommand(out, std::string("--submap-every ") + length), 2,
+                "--submap-every");
   expectFails("archive export " + archive_ + " " + out + " --class bicycle", 3,
               archive_ + ": has no class 'bicycle'");
   EXPECT_FALSE(fs::exists(out));
@@ -307,10 +291,8 @@ TEST_F(StreetArchive, ArchivesThatCannotBeWritten)
 
 TEST_F(StreetArchive, AnArchiveMayLieInANewFolder)
 {
-  for (const std::string name : {"new", "another"}) {
-    const std::string out = folder_->path(name);
-    const std::string archive =
-        (name == "new" ? out : folder_->path("deep")) + "/run.map";
+  for (const char* const name : {"new/run.map", "deep/run.map"}) {
+    const std::string archive = folder_->path(name), out = folder_->path("new");
     EXPECT_TRUE(
         holds(succeed(mapCommand(out, "--frames 0:1 --archive " + archive)), archive));
     EXPECT_TRUE(verifyArchive(archive).empty());

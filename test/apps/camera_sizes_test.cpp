@@ -97,10 +97,10 @@ TEST(CameraSizes, EveryConsumerRefusesAnother)
           replaceAll(text, "width: 208", "width: 640"), "height: 64", "height: 480");
     }
   };
+  const std::string half = "000001.png: has 104 x 32 pixels, expected 208 x 64";
   const std::string size = "left.yaml is the calibration of 640 x 480";
-  const std::string evaluate = "evaluate --label-set " PCL_SEMANTIC_SOURCE_DIR
-                               "/data/label_sets/kitti11.yaml --truth STREET/gt "
-                               "--prediction STREET/gt2 ";
+  const std::string evaluate =
+      "evaluate" + of_kitti11 + "--truth STREET/gt --prediction STREET/gt2 ";
   const auto predictions = [](const std::string& image, int type) {
     return [=](const std::string& street) {
       fs::copy(street + "/gt", street + "/gt2");
@@ -111,40 +111,35 @@ TEST(CameraSizes, EveryConsumerRefusesAnother)
     };
   };
   expectAllFail({
-      {"rgbd", 3, " has 208 x 64 pixels, but ", rgbd, other},
-      {"rgbd, the camera", 3, size, rgbd, other},
-      {"rgbd map", 3, size, rgbd_map + "STREET/labels", other},
-      {"pairs", 3, size, pair_map, other},
-      {"odometry", 3, size, "odometry " + pairs + "OUT", other},
-      {"a scanner's clouds", 3, size, carry, withScanner},
-      {"organized clouds", 3, size,
+      {3, " has 208 x 64 pixels, but ", rgbd, other},
+      {3, size, rgbd, other},
+      {3, size, rgbd_map + "STREET/labels", other},
+      {3, size, pair_map, other},
+      {3, size, "odometry " + pairs + "OUT", other},
+      {3, size, carry, withScanner},
+      {3, size,
        "map --clouds STREET/clouds --calibration STREET/left.yaml --extrinsics "
        "STREET/right.yaml --poses STREET/poses.txt --output OUT",
        withClouds},
-      {"rgbd, depth", 3, "depth/000000.png: has 104 x 32 pixels, expected 208 x 64 as",
-       rgbd, with("rgbd/depth/000000.png", CV_16UC1)},
-      {"rgbd map, labels", 3, "000001.png: has 104 x 32 pixels, expected 208 x 64",
-       rgbd_map + "STREET/gt", with("gt/000001.png", CV_8UC1)},
-      {"pairs, left", 3, "image_2/000001.png: has 104 x 32 pixels, expected 208 x 64",
-       pair_map, with("image_2/000001.png", CV_8UC3)},
-      {"pairs, right", 3, "image_3/000001.png: has 104 x 32 pixels, expected 208 x 64",
-       pair_map, with("image_3/000001.png", CV_8UC3)},
-      {"sequence, labels", 3, "000001.png: has 104 x 32 pixels, expected 208 x 64",
-       "--labels STREET/gt", with("gt/000001.png", CV_8UC1)},
-      {"image, labels", 3, "000001.png: has 104 x 32 pixels, expected 208 x 64",
-       "image_crf STREET/image_2/000001.png STREET/gt/000001.png OUT.png",
+      {3, "depth/000000.png: has 104 x 32 pixels, expected 208 x 64 as", rgbd,
+       with("rgbd/depth/000000.png", CV_16UC1)},
+      {3, half, rgbd_map + "STREET/gt", with("gt/000001.png", CV_8UC1)},
+      {3, "image_2/000001.png: has 104 x 32 pixels, expected 208 x 64", pair_map,
+       with("image_2/000001.png", CV_8UC3)},
+      {3, "image_3/000001.png: has 104 x 32 pixels, expected 208 x 64", pair_map,
+       with("image_3/000001.png", CV_8UC3)},
+      {3, half, "--labels STREET/gt", with("gt/000001.png", CV_8UC1)},
+      {3, half, "image_crf STREET/image_2/000001.png STREET/gt/000001.png OUT.png",
        with("gt/000001.png", CV_8UC1)},
-      {"image, cliques", 3, "000001.png: has 104 x 32 pixels, expected 208 x 64",
+      {3, half,
        "image_crf STREET/image_2/000001.png STREET/labels/000001.bin OUT.png --crf "
-       "pn-potts --cliques "
-       "STREET/gt/000001.png",
+       "pn-potts --cliques STREET/gt/000001.png",
        with("gt/000001.png", CV_8UC1)},
-      {"truth", 3, "000001.png", evaluate, predictions("gt2/000001.png", CV_8UC1)},
-      {"depth of the truth", 3, "has 104 x 32 depths, the ground truth 208 x 64",
+      {3, "000001.png", evaluate, predictions("gt2/000001.png", CV_8UC1)},
+      {3, "has 104 x 32 depths, the ground truth 208 x 64",
        evaluate + "--truth-depth STREET/depth --range 0:9",
        predictions("depth/000001.png", CV_16UC1)},
-      {"stereo", 3, "000000.png",
-       "stereo STREET/image_2 STREET/image_3 STREET/calib.txt OUT",
+      {3, "000000.png", "stereo STREET/image_2 STREET/image_3 STREET/calib.txt OUT",
        with("image_3/000000.png", CV_8UC3)},
   });
 }

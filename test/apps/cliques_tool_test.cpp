@@ -6,6 +6,7 @@
 #include "files/pcd_file.h"
 #include "support/ascii_cloud.h"
 #include "support/bad_case.h"
+#include "support/clique_lists.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
@@ -26,17 +27,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-using Cliques = std::vector<std::vector<int>>;
-
-Cliques
-listsOf(const std::vector<pcl::PointIndices>& cliques)
-{
-  Cliques lists;
-  for (const pcl::PointIndices& clique : cliques)
-    lists.emplace_back(clique.indices.begin(), clique.indices.end());
-  return lists;
-}
 
 Cliques
 cliquesIn(const std::string& path)
@@ -66,12 +56,6 @@ protected:
             "/image_3/000001.png " + tinyStreet() + "/calib.txt " + path("frame.pcd"));
   }
 
-  static void
-  TearDownTestSuite()
-  {
-    folder_.reset();
-  }
-
   static std::string
   path(const std::string& name)
   {
@@ -82,6 +66,14 @@ protected:
   map()
   {
     return path("map/map.pcd");
+  }
+
+  // The command for the superpixels of the frame at its pose.
+  static std::string
+  ofFrame()
+  {
+    return "cliques " + map() + " " + path("out.pcd") +
+           " --method superpixel:40 --frame " + path("frame.pcd");
   }
 
   static Eigen::Isometry3d
@@ -137,8 +129,7 @@ TEST_F(CliquesTool, WritesWhatTheGeneratorsSayAndKeepsEverythingElse)
 
 TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
 {
-  const std::string tool = "cliques " + map() + " " + path("out.pcd") +
-                           " --method superpixel:40 --frame " + path("frame.pcd");
+  const std::string tool = ofFrame();
   const Cliques expected = superpixels(pose());
   EXPECT_GT(expected.size(), 15u);
   succeed(tool + " --pose " + path("map/trajectory.txt") + ":1");
@@ -156,8 +147,9 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
                      turn.x(),  turn.y(),  turn.z()};
   writeCloudTable(path("viewed.pcd"), frame);
-  succeed("cliques " + map() + " " + path("out.pcd") +
-          " --method superpixel:40 --frame " + path("viewed.pcd"));
+  const std::string viewed = "cliques " + map() + " " + path("out.pcd") +
+                             " --method superpixel:40 --frame " + path("viewed.pcd");
+  succeed(viewed);
   EXPECT_FALSE(cliquesIn(path("out.pcd")).empty());
 
   const Eigen::Vector3d origin(-3.0, 1.0, 0.5); // the map's, it says
@@ -165,20 +157,14 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   moved.pretranslate(-origin);
   succeed(tool + " --pose " + path("map/trajectory.txt") + ":1 --map-origin -3,1,0.5");
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == superpixels(moved));
-  const Cliques of_viewpoint = [&] {
-    succeed("cliques " + map() + " " + path("out.pcd") +
-            " --method superpixel:40 --frame " + path("viewed.pcd") +
-            " --map-origin -3,1,0.5");
-    return cliquesIn(path("out.pcd"));
-  }();
-  EXPECT_TRUE(of_viewpoint == superpixels(moved));
+  succeed(viewed + " --map-origin -3,1,0.5");
+  EXPECT_TRUE(cliquesIn(path("out.pcd")) == superpixels(moved));
 }
 
 TEST_F(CliquesTool, ColoursTellCliquesApart)
 {
-  succeed("cliques " + map() + " " + path("out.pcd") +
-          " --method superpixel:40 --frame " + path("frame.pcd") + " --pose " +
-          path("map/trajectory.txt") + ":1 --coloured " + path("coloured.pcd"));
+  succeed(ofFrame() + " --pose " + path("map/trajectory.txt") + ":1 --coloured " +
+          path("coloured.pcd"));
   const CliqueGenerator::Cloud coloured = pointsIn(path("coloured.pcd"));
   const Cliques cliques = cliquesIn(path("out.pcd"));
   std::set<std::uint32_t> colours;
@@ -257,44 +243,40 @@ TEST(CliquesToolBadInput, IsRefused)
   const std::string frame = tool + "--method superpixel --frame STREET/in.pcd ";
   const auto image = cloud("x y z rgba", 1, 2);
   expectAllFail({
-      {"no files", 2, "expected IN.pcd OUT.pcd", "cliques a.pcd"},
-      {"no method", 2, "--method is missing", "cliques a.pcd OUT.pcd"},
-      {"method", 2, "'best', expected cubes", tool + "--method best"},
-      {"seeds", 2, "seed resolution is 0.01", tool + "--method supervoxel:0.01"},
-      {"superpixels", 2, "superpixel:N with N 1",
-       tool + "--method superpixel:0 --frame x"},
-      {"removed", 2, "--supervoxel-colour-weight: was removed, it had no effect",
+      {2, "expected IN.pcd OUT.pcd", "cliques a.pcd"},
+      {2, "--method is missing", "cliques a.pcd OUT.pcd"},
+      {2, "'best', expected cubes", tool + "--method best"},
+      {2, "seed resolution is 0.01", tool + "--method supervoxel:0.01"},
+      {2, "superpixel:N with N 1", tool + "--method superpixel:0 --frame x"},
+      {2, "--supervoxel-colour-weight: was removed, it had no effect",
        tool + "--method supervoxel --supervoxel-colour-weight=1"},
-      {"jump", 2, "passing distance is -1",
+      {2, "passing distance is -1",
        tool + "--method superpixel --frame x --superpixel-depth-jump -1"},
-      {"no frame", 2, "needs --frame", tool + "--method superpixel"},
-      {"needless frame", 2, "--frame has no effect with --method cubes",
+      {2, "needs --frame", tool + "--method superpixel"},
+      {2, "--frame has no effect with --method cubes",
        tool + "--method cubes --frame STREET/in.pcd"},
-      {"calibration of no row", 2, "--calibration is for",
+      {2, "--calibration is for",
        frame + "--pose '0 0 0 0 0 0 1' --calibration STREET/calib.txt", image},
-      {"no cloud", 3, "none.pcd", "cliques STREET/none.pcd OUT.pcd --method cubes"},
-      {"too far", 3, "point 3 lies at", tool + "--method cubes:0.001",
-       cloud("x y z", 4, 2)},
-      {"no colour", 3, "rgb or rgba", tool + "--method slic", cloud("x y z", 2, 2)},
-      {"frame without colour", 3, "rgb or rgba", frame, cloud("x y z", 2, 2)},
-      {"frame of a list", 3, "organized", frame, cloud("x y z rgba", 2, 1)},
-      {"pose of six", 2, "cliques: --pose has 6 numbers",
-       frame + "--pose '0 0 0 0 0 1'", cloud("x y z rgba", 1, 2)},
-      {"pose of words", 2, "cliques: --pose", frame + "--pose here", image},
-      {"no rotation", 2, "quaternion of length 2", frame + "--pose '0 0 0 0 0 0 2'",
-       image},
-      {"row beyond", 3, "has no pose 99", frame + "--pose STREET/poses.txt:99", image},
-      {"no such row", 3, "--pose", frame + "--pose STREET/poses.txt:last", image},
-      {"sees nothing", 3, "shows no voxel", frame + "--pose '0 0 1000 0 0 0 1'", image},
-      {"voxel size", 2, "voxel size is 0", frame + "--voxel-size 0", image},
-      {"onto the input", 2, "in.pcd: is given as an output",
+      {3, "none.pcd", "cliques STREET/none.pcd OUT.pcd --method cubes"},
+      {3, "point 3 lies at", tool + "--method cubes:0.001", cloud("x y z", 4, 2)},
+      {3, "rgb or rgba", tool + "--method slic", cloud("x y z", 2, 2)},
+      {3, "rgb or rgba", frame, cloud("x y z", 2, 2)},
+      {3, "organized", frame, cloud("x y z rgba", 2, 1)},
+      {2, "cliques: --pose has 6 numbers", frame + "--pose '0 0 0 0 0 1'",
+       cloud("x y z rgba", 1, 2)},
+      {2, "cliques: --pose", frame + "--pose here", image},
+      {2, "quaternion of length 2", frame + "--pose '0 0 0 0 0 0 2'", image},
+      {3, "has no pose 99", frame + "--pose STREET/poses.txt:99", image},
+      {3, "--pose", frame + "--pose STREET/poses.txt:last", image},
+      {3, "shows no voxel", frame + "--pose '0 0 1000 0 0 0 1'", image},
+      {2, "voxel size is 0", frame + "--voxel-size 0", image},
+      {2, "in.pcd: is given as an output",
        "cliques STREET/in.pcd STREET/in.pcd --method cubes", image},
-      {"copy onto the output", 2, "is given as an output",
-       tool + "--method cubes --coloured OUT.pcd", image},
-      {"picture", 2, ".pcd", tool + "--method cubes --coloured OUT.png", image},
-      {"crf of a frame's", 2, "cliques are 'superpixel', expected",
+      {2, "is given as an output", tool + "--method cubes --coloured OUT.pcd", image},
+      {2, ".pcd", tool + "--method cubes --coloured OUT.png", image},
+      {2, "cliques are 'superpixel', expected",
        "crf STREET/in.pcd OUT.pcd --crf pn-potts --cliques superpixel", image},
-      {"kept superpixels and an archive", 2, "--archive and superpixel_keep exclude",
+      {2, "--archive and superpixel_keep exclude",
        "--labels STREET/labels --config " PCL_SEMANTIC_SOURCE_DIR
        "/data/presets/zhao16.yaml --archive TEMP/map.sqlite"},
   });

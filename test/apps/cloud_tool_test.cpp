@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/ascii_cloud.h"
+#include "support/bad_case.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
@@ -15,20 +17,16 @@ namespace {
 
 using namespace pcl_semantic;
 
-const std::string label_set = PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
-
 // Points of a wall (1), a road (3) and a car (5) with an intensity, in one voxel of 1 m
 // each.
 class CloudTool : public testing::Test {
 protected:
   CloudTool()
   {
-    folder.write(
-        "in.pcd",
-        "VERSION 0.7\nFIELDS x y z intensity label\nSIZE 4 4 4 4 4\nTYPE F F F "
-        "F U\nCOUNT 1 1 1 1 1\nWIDTH 5\nHEIGHT 1\nVIEWPOINT 1 2 3 1 0 0 0\n"
-        "POINTS 5\nDATA ascii\n0.1 0.1 0.1 7 1\n0.5 0.5 0.5 8 1\n"
-        "0.9 0.9 0.9 9 3\n1.5 0.5 0.5 10 3\n2.5 0.5 0.5 11 5\n");
+    folder.write("in.pcd", asciiCloud("x y z intensity:F4 label",
+                                      "0.1 0.1 0.1 7 1\n0.5 0.5 0.5 8 1\n"
+                                      "0.9 0.9 0.9 9 3\n1.5 0.5 0.5 10 3\n"
+                                      "2.5 0.5 0.5 11 5\n"));
   }
 
   LabelledCloud
@@ -64,23 +62,19 @@ TEST_F(CloudTool, CropsKeepsDropsAndRenames)
             (Points{{7, 1}, {8, 1}, {11, 5}}));
   EXPECT_EQ(intensitiesAndLabels(edited("--keep unlabelled,1")),
             intensitiesAndLabels(edited("--keep 0,1")));
-  EXPECT_EQ(intensitiesAndLabels(edited(
-                "--drop road --relabel car=0,building=3 --label-set " + label_set)),
+  EXPECT_EQ(intensitiesAndLabels(
+                edited("--drop road --relabel car=0,building=3 " + of_kitti11)),
             (Points{{7, 3}, {8, 3}, {11, 5}}))
       << "the fifth class of this label set is no car";
   const LabelledCloud cropped = edited("--crop 0,0,0,1,1,1");
   EXPECT_EQ(cropped.table.viewpoint[1], 2.0);
 }
 
-TEST_F(CloudTool, ThinsWithoutMixingClasses)
+TEST_F(CloudTool, ThinsWithoutMixingClassesAndColours)
 {
   EXPECT_EQ(intensitiesAndLabels(edited("--thin 1")),
             (Points{{8, 1}, {10, 3}, {11, 5}}));
-}
-
-TEST_F(CloudTool, ColoursByClass)
-{
-  const LabelledCloud cloud = edited("--colour --label-set " + label_set);
+  const LabelledCloud cloud = edited("--colour " + of_kitti11);
   ASSERT_TRUE(cloud.has_colour);
   EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, 0x800000u); // building
   EXPECT_EQ((*cloud.cloud)[2].rgba & 0xFFFFFFu, 0x804080u); // road
@@ -94,8 +88,7 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
                {reinterpret_cast<const char*>(points.data()), 4 * points.size()});
   const std::uint32_t classes[] = {40, 252};
   folder.write("scans/000000.label", {reinterpret_cast<const char*>(classes), 8});
-  const std::string mapping =
-      "--label-mapping semantic_kitti_to_kitti11 --label-set " + label_set;
+  const std::string mapping = "--label-mapping semantic_kitti_to_kitti11" + of_kitti11;
   const LabelledCloud cloud = edited(mapping, "scans/000000.bin");
   EXPECT_EQ(intensitiesAndLabels(cloud), (Points{{0.5, 3}, {0.25, 6}}));
 
@@ -107,7 +100,7 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
   succeed("crf " + folder.path("scans/000000.bin") + " " + folder.path("crf.pcd") +
           " " + mapping);
   expectFails("crf " + folder.path("scans/000000.bin") + " " + folder.path("none.pcd") +
-                  " --label-set " + label_set,
+                  " " + of_kitti11,
               3,
               "label 40 of point 0 is beyond the 11 classes of "
               "--label-set; other numbers need --label-mapping");
@@ -119,7 +112,7 @@ TEST_F(CloudTool, LeavesAnEmptyCloudWithTheSameFields)
 {
   for (const std::string& options : std::vector<std::string>{
            "--keep 7", "--drop 1,3,5", "--crop 90,0,0,91,1,1", "--keep 7 --thin 1",
-           "--crop 90,0,0,91,1,1 --colour --label-set " + label_set}) {
+           "--crop 90,0,0,91,1,1 --colour " + of_kitti11}) {
     const std::string text = succeed("cloud " + folder.path("in.pcd") + " " +
                                      folder.path("out.pcd") + " " + options);
     EXPECT_TRUE(holds(text, "no point is left")) << options;
@@ -128,17 +121,16 @@ TEST_F(CloudTool, LeavesAnEmptyCloudWithTheSameFields)
     EXPECT_EQ(cloud.table.fields.size(), options.find("colour") < 99 ? 6u : 5u);
     EXPECT_EQ(cloud.table.viewpoint[1], 2.0);
   }
-  folder.write("empty.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float "
-                            "x\nproperty float y\nproperty float z\nend_header\n");
+  folder.write("empty.ply", asciiPly("x y z", ""));
   for (const std::string input : {"out.pcd", "empty.ply"})
     for (const std::string program :
          {"cloud IN OUT --thin 0.1", "cloud IN OUT --crop 0,0,0,1,1,1", "crf IN OUT",
           "crf IN OUT --crf hierarchical --cliques cubes:1",
           "cliques IN OUT --method cubes:1", "cliques IN OUT --method supervoxel:1",
           "cliques IN OUT --method slic"}) {
-      std::string command = program;
-      command.replace(command.find("IN"), 2, folder.path(input));
-      command.replace(command.find("OUT"), 3, folder.path("again.pcd"));
+      const std::string command =
+          replaceAll(replaceAll(program, "IN", folder.path(input)), "OUT",
+                     folder.path("again.pcd"));
       EXPECT_TRUE(holds(succeed(command), "no point is left")) << command;
       EXPECT_EQ(readLabelledCloud(folder.path("again.pcd")).cloud->size(), 0u);
     }
@@ -148,7 +140,7 @@ TEST_F(CloudTool, TellsOfNumbersThatAMappingLacks)
 {
   folder.write("m.yaml", "classes:\n  road: [1]\nunlabelled: [3]\n");
   const std::string options =
-      " --label-mapping " + folder.path("m.yaml") + " --label-set " + label_set;
+      " --label-mapping " + folder.path("m.yaml") + " " + of_kitti11;
   for (const std::string program : {"cloud ", "crf "})
     EXPECT_TRUE(holds(succeed(program + folder.path("in.pcd") + " " +
                               folder.path("out.pcd") + options),
@@ -159,9 +151,7 @@ TEST_F(CloudTool, TellsOfNumbersThatAMappingLacks)
 // Numbers that are no labels of ours do not matter to cliques.
 TEST_F(CloudTool, GroupsCloudsOfAnyLabels)
 {
-  folder.write("raw.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-                          "property float y\nproperty float z\nproperty int label\n"
-                          "end_header\n1 2 3 259\n4 5 6 -1\n");
+  folder.write("raw.ply", asciiPly("x y z int:label", "1 2 3 259\n4 5 6 -1\n"));
   succeed("cliques " + folder.path("raw.ply") + " " + folder.path("out.pcd") +
           " --method cubes:1");
   const PcdTable table = readCloudTable(folder.path("out.pcd"));
@@ -173,9 +163,7 @@ TEST_F(CloudTool, CountsNoReturns)
   std::string rows;
   for (int i = 0; i < 4; ++i)
     rows += "0 0 0 2\n" + std::to_string(i) + " 1 1 3\n";
-  folder.write("zeros.pcd", "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F "
-                            "U\nWIDTH 8\nHEIGHT 1\nPOINTS 8\nDATA ascii\n" +
-                                rows);
+  folder.write("zeros.pcd", asciiCloud("x y z label", rows));
   const auto pointsOf = [&](const std::string& program, const std::string& options) {
     EXPECT_TRUE(holds(succeed(program + " " + folder.path("zeros.pcd") + " " +
                               folder.path("out.pcd") + options),
@@ -198,31 +186,27 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
                 code, says);
     EXPECT_FALSE(std::ifstream(folder.path("out.pcd")).good()) << options;
   };
-  fails("--crop 0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");
-  fails("--crop 1,0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");
-  fails("--crop a,b", 2, "--crop");
-  fails("--keep car", 2, "names need --label-set");
-  fails("--drop cra --label-set " + label_set, 2, "is no class of the label set");
-  fails("--relabel 3", 2, "expected OLD=NEW");
-  fails("--thin 0", 2, "--thin is 0, expected more than 0");
-  fails("--thin 1e-12", 2, "take larger ones");
-  fails("--colour", 2, "need --label-set");
-  fails("--label-mapping none_such --label-set " + label_set, 3, "none_such");
-  folder.write("bare.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
-                           "x\nproperty float y\nproperty float z\nproperty uchar "
-                           "lbl\nproperty uchar my_label\nend_header\n1 2 3 4 5\n");
+  for (const auto& [options, says] : std::vector<std::pair<std::string, const char*>>{
+           {"--crop 0,0,0,1,1", "--crop: expected x0,y0,z0,x1,y1,z1"},
+           {"--crop 1,0,0,0,1,1", "--crop: expected x0,y0,z0,x1,y1,z1"},
+           {"--crop a,b", "--crop"},
+           {"--keep car", "names need --label-set"},
+           {"--drop cra" + of_kitti11, "is no class of the label set"},
+           {"--relabel 3", "expected OLD=NEW"},
+           {"--thin 0", "--thin is 0, expected more than 0"},
+           {"--thin 1e-12", "take larger ones"},
+           {"--colour", "need --label-set"},
+           {"--scan-columns x,y", "scan columns 'x,y' have no z"}})
+    fails(options, 2, says);
+  fails("--label-mapping none_such " + of_kitti11, 3, "none_such");
+  folder.write("bare.ply", asciiPly("x y z uchar:lbl uchar:my_label", "1 2 3 4 5\n"));
   for (const std::string option : {"--thin 1", "--keep 1"})
     fails(option, 3,
           "bare.ply: has no field 'label' or 'probability', which " +
               option.substr(0, 6) + " needs; field 'my_label' is not read as labels",
           "bare.ply");
-  folder.write("float.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
-                            "x\nproperty float y\nproperty float z\nproperty float "
-                            "label\nend_header\n1 2 3 19660801\n"); // 300 << 16 | 1
+  folder.write("float.ply",
+               asciiPly("x y z label", "1 2 3 19660801\n")); // 300 << 16 | 1
   fails("--thin 1", 3, "float.ply: field 'label': point 0 has 19660800, where single",
         "float.ply");
-  fails("--scan-columns x,y", 2, "scan columns 'x,y' have no z");
-  folder.write("cut.ply",
-               "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\n");
-  fails("", 3, "cut.ply: has no end_header", "cut.ply");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/pcd_file.h"
+#include "support/ascii_cloud.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/run_tool.h"
@@ -21,8 +22,6 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 namespace {
-
-const std::string label_set = PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
 
 // Clouds of the street by pcl_semantic_stereo and pcl_semantic_label.
 void
@@ -64,6 +63,18 @@ scanOf(const SyntheticScene& street, const Eigen::Isometry3d& T_world_sensor)
   return scan;
 }
 
+void
+expectVoxels(const std::string& path, const VoxelCloud& expected)
+{
+  const LabelledCloud read = readLabelledCloud(path);
+  ASSERT_EQ(read.cloud->size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ((*read.cloud)[i].getVector3fMap(), (*expected.cloud)[i].getVector3fMap());
+    EXPECT_EQ((*read.cloud)[i].label, (*expected.cloud)[i].label);
+  }
+  EXPECT_TRUE(read.distributions.matrix() == expected.refined.matrix());
+}
+
 // Four scans, clouds/N.pcd, and the scanner's own poses.
 class Scans : public testing::Test {
 protected:
@@ -74,9 +85,8 @@ protected:
     for (int frame = 0; frame < 4; ++frame) {
       T_world_sensor.push_back(street.pose(frame) * worldFromFirstCamera().inverse());
       scans.push_back(scanOf(street, T_world_sensor.back()));
-      writeLabelledCloud(folder.path("clouds/" + std::to_string(frame) + ".pcd"),
-                         scans.back());
     }
+    writeClouds();
     writeKittiTrajectory(folder.path("poses.txt"), T_world_sensor);
   }
 
@@ -84,7 +94,7 @@ protected:
   VoxelCloud
   expected() const
   {
-    SemanticVoxelMap map(readLabelSet(label_set), SemanticVoxelMap::Parameters());
+    SemanticVoxelMap map(readLabelSet(kitti11), SemanticVoxelMap::Parameters());
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const auto& cloud = *scans[i].cloud;
       LabelDistributions labels(map.labelSet().size(), Eigen::Index(cloud.size()));
@@ -98,28 +108,44 @@ protected:
   }
 
   std::string
-  map(const std::string& options) const
+  cloud(std::size_t frame) const
+  {
+    return folder.path("clouds/" + std::to_string(frame) + ".pcd");
+  }
+
+  void
+  writeClouds() const
+  {
+    for (std::size_t frame = 0; frame < 4; ++frame)
+      writeLabelledCloud(cloud(frame), scans[frame]);
+  }
+
+  // The command that maps them with other poses, and with their own.
+  std::string
+  mapWith(const std::string& options) const
   {
     return "map --clouds " + folder.path("clouds") + " --crf none --output " +
            folder.path("map") + " --poses " + options;
+  }
+
+  std::string
+  map(const std::string& options = "") const
+  {
+    return mapWith(folder.path("poses.txt")) + options;
+  }
+
+  // Maps them and expects the map of the library.
+  void
+  expectMapped() const
+  {
+    succeed(map());
+    expectVoxels(folder.path("map/map.pcd"), expected());
   }
 
   TemporaryFolder folder;
   std::vector<LabelledCloud> scans;
   Trajectory T_world_sensor;
 };
-
-void
-expectVoxels(const std::string& path, const VoxelCloud& expected)
-{
-  const LabelledCloud read = readLabelledCloud(path);
-  ASSERT_EQ(read.cloud->size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    EXPECT_EQ((*read.cloud)[i].getVector3fMap(), (*expected.cloud)[i].getVector3fMap());
-    EXPECT_EQ((*read.cloud)[i].label, (*expected.cloud)[i].label);
-  }
-  EXPECT_TRUE(read.distributions.matrix() == expected.refined.matrix());
-}
 
 } // namespace
 
@@ -129,17 +155,11 @@ TEST(CloudTools, APipelineOfToolsMakesTheSameMap)
   labelClouds(tinyStreet(), folder);
   succeed(mapOfClouds(folder) + folder.path("map"));
   mapStreet(tinyStreet(), folder.path("direct"), "");
-  EXPECT_EQ(filesIn(folder.path("map")), filesIn(folder.path("direct")));
-  for (const std::string& file : filesIn(folder.path("direct")))
-    if (file != "summary.json") {
-      EXPECT_EQ(bytesOf(folder.path("map/" + file)),
-                bytesOf(folder.path("direct/" + file)))
-          << file;
-    }
+  expectSameMaps(folder.path("map"), folder.path("direct"));
   // And with the CRF as a tool of its own.
   succeed(mapOfClouds(folder) + folder.path("raw") + " --crf none");
   succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd") +
-          " --crf-temperature 3 --label-set " + label_set);
+          " --crf-temperature 3" + of_kitti11);
   const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
   const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
   ASSERT_EQ(tools.cloud->size(), direct.cloud->size());
@@ -158,10 +178,8 @@ TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
 {
   const TemporaryFolder folder;
   folder.write("cloud.pcd",
-               "VERSION 0.7\nFIELDS x y z rgb ring\nSIZE 8 4 4 4 2\nTYPE F F F F U\n"
-               "COUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\n"
-               "POINTS 4\nDATA ascii\n1 2 3 0 7\n1 2 4 0 8\n1 3 3 0 9\nnan nan nan 0 "
-               "10\n");
+               asciiCloud("x:F8 y z rgb:F4 ring:U2",
+                          "1 2 3 0 7\n1 2 4 0 8\n1 3 3 0 9\nnan nan nan 0 10\n", 2));
   std::vector<float> stored(44, 0.0f);
   stored[5] = stored[11] = stored[30] = stored[43] = 1.0f;
   folder.write("labels.bin",
@@ -181,8 +199,7 @@ TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
 
 TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
 {
-  succeed(map(folder.path("poses.txt")));
-  expectVoxels(folder.path("map/map.pcd"), expected());
+  expectMapped();
   EXPECT_EQ(filesIn(folder.path("map")),
             (std::set<std::string>{"label_set.yaml", "map.pcd", "map_classes.pcd",
                                    "top_view.png", "trajectory.txt", "summary.json"}));
@@ -204,23 +221,19 @@ TEST_F(Scans, NoReturnsAndEmptyScansChangeNothing)
       point.label = 1;
       scan.cloud->push_back(point);
     }
-  for (int frame = 0; frame < 4; ++frame)
-    writeLabelledCloud(folder.path("clouds/" + std::to_string(frame) + ".pcd"),
-                       scans[std::size_t(frame)]);
+  writeClouds();
   for (LabelledCloud& scan : scans) // expected clouds
     scan.cloud->resize(scan.cloud->size() - 300);
-  succeed(map(folder.path("poses.txt")));
-  expectVoxels(folder.path("map/map.pcd"), expected());
+  expectMapped();
   EXPECT_TRUE(
       holds(bytesOf(folder.path("map/summary.json")), "\"without_depth\": 1200"));
 
   scans[2].cloud->clear();
   LabelledCloud nothing;
   nothing.cloud->width = 0;
-  writeLabelledCloud(folder.path("clouds/2.pcd"), nothing);
+  writeLabelledCloud(cloud(2), nothing);
   fs::remove_all(folder.path("map"));
-  succeed(map(folder.path("poses.txt")));
-  expectVoxels(folder.path("map/map.pcd"), expected());
+  expectMapped();
 }
 
 TEST_F(Scans, OfOtherColumnsAreReadAsTheyAreNamed)
@@ -245,9 +258,7 @@ TEST_F(Scans, OfOtherColumnsAreReadAsTheyAreNamed)
                  std::streamsize(4 * labels.size()));
     }
   };
-  const std::string command = "map --clouds " + folder.path("scans") +
-                              " --crf none --poses " + folder.path("poses.txt") +
-                              " --output " + folder.path("map");
+  const std::string command = replaceAll(map(), "/clouds", "/scans");
   fs::create_directories(folder.path("scans"));
   write(".bin");
   expectFails(command, 3, "like 5 float32 a point; name them with --scan-columns");
@@ -262,13 +273,12 @@ TEST_F(Scans, OfOtherColumnsAreReadAsTheyAreNamed)
   fs::remove_all(folder.path("map"));
   succeed(command);
   expectVoxels(folder.path("map/map.pcd"), expected());
-  expectFails(map(folder.path("poses.txt")) + " --scan-columns 5", 2,
-              "scan columns are for .bin");
+  expectFails(map(" --scan-columns 5"), 2, "scan columns are for .bin");
 }
 
 TEST_F(Scans, TakeTheLabelsOfTheirMap)
 {
-  succeed(map(folder.path("poses.txt")) + " --also scans,measured");
+  succeed(map(" --also scans,measured"));
   const VoxelCloud voxels = expected();
   const VoxelLookup lookup(voxels);
   for (std::size_t frame = 0; frame < scans.size(); ++frame) {
@@ -298,8 +308,7 @@ TEST_F(Scans, TimesAndTumPosesFindEachOther)
   std::string rows;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::string time = "15." + std::to_string(25 * i + 10);
-    fs::rename(folder.path("clouds/" + std::to_string(i) + ".pcd"),
-               folder.path("clouds/" + time + ".pcd"));
+    fs::rename(cloud(i), folder.path("clouds/" + time + ".pcd"));
     std::ostringstream row;
     row.precision(17);
     const Eigen::Quaterniond q(T_world_sensor[i].linear());
@@ -308,7 +317,7 @@ TEST_F(Scans, TimesAndTumPosesFindEachOther)
     rows += row.str();
   }
   folder.write("tum.txt", rows);
-  succeed(map(folder.path("tum.txt")));
+  succeed(mapWith(folder.path("tum.txt")));
   EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(),
             expected().size());
 }
@@ -333,7 +342,7 @@ TEST_F(Scans, OfKittisLaserHaveThePosesOfItsCamera)
     if (line.rfind("Tr", 0) != 0)
       rows += line + "\n";
   folder.write("calib.txt", rows + row.str() + "\n");
-  succeed(map(folder.path("camera0.txt")) + " --sensor laser --calibration " +
+  succeed(mapWith(folder.path("camera0.txt")) + " --sensor laser --calibration " +
           folder.path("calib.txt"));
   const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
   EXPECT_NEAR(double(read.cloud->size()), double(expected().size()),
@@ -343,13 +352,11 @@ TEST_F(Scans, OfKittisLaserHaveThePosesOfItsCamera)
 TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
 {
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    PcdTable table =
-        readLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd")).table;
+    PcdTable table = readLabelledCloud(cloud(i)).table;
     table.removeColumns("label");
-    writeCloudTable(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
+    writeCloudTable(cloud(i), table);
   }
-  const std::string text =
-      succeed(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
+  const std::string text = succeed(replaceAll(map(), "--crf none", "--crf dense"));
   EXPECT_TRUE(holds(text, "0.pcd: has no field 'label' or 'probability': it gives "
                           "the map no labels\n"));
   EXPECT_FALSE(holds(text, "1.pcd")); // said once
@@ -361,13 +368,11 @@ TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
 
 TEST_F(Scans, InMillimetresAreAnEmptyMapWithAWarning)
 {
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    for (pcl::PointXYZRGBL& point : *scans[i].cloud)
+  for (LabelledCloud& scan : scans)
+    for (pcl::PointXYZRGBL& point : *scan.cloud)
       point.getVector3fMap() *= 1000.0f;
-    writeLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd"), scans[i]);
-  }
-  const std::string text = succeed(map(folder.path("poses.txt")));
-  EXPECT_TRUE(holds(text, "warning: the map is empty"));
+  writeClouds();
+  EXPECT_TRUE(holds(succeed(map()), "warning: the map is empty"));
 }
 
 TEST_F(Scans, OfOwnClassesKeepTheirNames)
@@ -377,7 +382,7 @@ TEST_F(Scans, OfOwnClassesKeepTheirNames)
     classes += "  - {name: thing" + std::to_string(label) + ", colour: [" +
                std::to_string(label) + ", 2, 3]}\n";
   folder.write("things.yaml", classes);
-  succeed(map(folder.path("poses.txt")) + " --label-set " + folder.path("things.yaml"));
+  succeed(map(" --label-set " + folder.path("things.yaml")));
   const LabelSet kept = readLabelSet(folder.path("map/label_set.yaml"));
   ASSERT_EQ(kept.size(), 11);
   EXPECT_EQ(kept[3].name, "thing3");
@@ -387,11 +392,9 @@ TEST_F(Scans, OfOwnClassesKeepTheirNames)
 TEST_F(Scans, GoOnWithAnArchive)
 {
   const std::string archive = " --archive " + folder.path("map.archive");
-  succeed(map(folder.path("poses.txt")) + archive);
+  succeed(map(archive));
   const std::string whole = bytesOf(folder.path("map/map.pcd"));
-  const std::string resumed =
-      succeed(map(folder.path("poses.txt")) + archive + " --resume");
-  EXPECT_TRUE(holds(resumed, "resumed_after: 4"));
+  EXPECT_TRUE(holds(succeed(map(archive + " --resume")), "resumed_after: 4"));
   EXPECT_EQ(bytesOf(folder.path("map/map.pcd")), whole);
 }
 
@@ -400,9 +403,8 @@ TEST_F(Scans, AreShownInAWindow)
   if (!hasVirtualDisplay() ||
       !fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view"))
     GTEST_SKIP() << "xvfb or xauth is not installed, or the viewer not built";
-  const ToolResult result =
-      runOnDisplay(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
-                   map(folder.path("poses.txt")) + " --view --verbose");
+  const ToolResult result = runOnDisplay(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
+                                         map(" --view --verbose"));
   EXPECT_EQ(result.code, 0);
   EXPECT_TRUE(holds(result.text, "frame 3, "));
   EXPECT_FALSE(holds(result.text, "the window was closed"));
@@ -413,50 +415,45 @@ TEST_F(Scans, BadInput)
   const std::string all = "map --clouds " + folder.path("clouds") + " --output OUT ";
   const std::string poses = "--poses " + folder.path("poses.txt") + " ";
   expectAllFail({
-      {"no poses", 2, "--clouds needs a trajectory: --poses FILE", all},
-      {"odometry", 2, "--poses FILE", all + "--poses odometry"},
-      {"and a sequence", 2, "exclude each other", all + poses + "STREET"},
-      {"and labels", 2, "hold their labels", all + poses + "--labels STREET/labels"},
-      {"sensor", 2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
-      {"camera", 2, "--sensor camera needs --calibration",
-       all + poses + "--sensor camera"},
-      {"calibrated", 2, "--calibration is not for --sensor own",
+      {2, "--clouds needs a trajectory: --poses FILE", all},
+      {2, "--poses FILE", all + "--poses odometry"},
+      {2, "exclude each other", all + poses + "STREET"},
+      {2, "hold their labels", all + poses + "--labels STREET/labels"},
+      {2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
+      {2, "--sensor camera needs --calibration", all + poses + "--sensor camera"},
+      {2, "--calibration is not for --sensor own",
        all + poses + "--sensor own --calibration STREET/calib.txt"},
-      {"sensor of a sequence", 2, "--sensor is for --clouds",
-       "--labels STREET/labels --sensor own"},
-      {"not organized", 3, "is no organized cloud",
-       all + poses + "--calibration STREET/calib.txt"},
-      {"no clouds", 3, "no file matches",
-       "map --clouds TEMP/none --output OUT " + poses},
-      {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
-      {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
-      {"images", 2, "also needs scans", all + poses + "--also measured"},
-      {"hit ratio", 2,
-       "--min-hit-ratio has no effect with --clouds that are not of a camera",
+      {2, "--sensor is for --clouds", "--labels STREET/labels --sensor own"},
+      {3, "is no organized cloud", all + poses + "--calibration STREET/calib.txt"},
+      {3, "no file matches", "map --clouds TEMP/none --output OUT " + poses},
+      {3, "none for frame 3", all + "--poses STREET/poses.txt"},
+      {2, "are for frames of a camera", all + poses + "--also depth"},
+      {2, "also needs scans", all + poses + "--also measured"},
+      {2, "--min-hit-ratio has no effect with --clouds that are not of a camera",
        all + poses + "--min-hit-ratio 0.2"},
-      {"over the clouds", 2, "--output holds the clouds",
+      {2, "--output holds the clouds",
        "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
            folder.path("clouds")},
-      {"label: no labels", 2, "expected either --labels or --network",
+      {2, "expected either --labels or --network",
        "label --clouds " + folder.path("clouds") + " --output OUT"},
-      {"label: format", 2, "--format has no effect with --clouds",
+      {2, "--format has no effect with --clouds",
        "label --clouds " + folder.path("clouds") +
            " --labels STREET/labels --output OUT --format ids"},
-      {"label: size", 3, "expected",
+      {3, "expected",
        "label --clouds " + folder.path("clouds") +
            " --labels STREET/labels --output OUT"},
-      {"label: many to one", 2, "--output is one cloud",
+      {2, "--output is one cloud",
        "label --clouds " + folder.path("clouds") +
            " --labels STREET/labels --output TEMP/one.pcd"},
-      {"label: itself", 2, "",
+      {2, "",
        "label --clouds " + folder.path("clouds") + " --labels STREET/labels --output " +
            folder.path("clouds")},
   });
-  succeed(map(folder.path("poses.txt")));
-  expectFails(map(folder.path("map/trajectory.txt")), 2,
+  succeed(map());
+  expectFails(mapWith(folder.path("map/trajectory.txt")), 2,
               "--poses is the trajectory that --output writes");
   folder.write("clouds/2.pcd", "garbage");
-  expectFails({"garbage", 3, "2.pcd", all + poses});
+  expectFails({3, "2.pcd", all + poses});
 }
 
 } // namespace pcl_semantic

@@ -27,9 +27,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kitti11 =
-    "--label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
-
 // 12 x 10 points in two rooms of 0.1 m steps, some labelled otherwise than the others.
 struct TextCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
@@ -107,13 +104,6 @@ probabilitiesIn(const std::string& path)
   return matrix;
 }
 
-std::string
-write(const std::string& path, const std::string& text)
-{
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
-
 double
 largestDifference(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
 {
@@ -128,7 +118,7 @@ TEST(CrfTool, RewritesLabelsAndKeepsEverythingElse)
 {
   const TemporaryFolder folder;
   const TextCloud input;
-  const std::string in = write(folder.path("in.pcd"), input.text());
+  const std::string in = folder.write("in.pcd", input.text());
   succeed("crf " + in + " " + folder.path("out.pcd"));
   const PcdTable before = readPcd(in), after = readPcd(folder.path("out.pcd"));
   EXPECT_EQ(after.width, 12u);
@@ -152,23 +142,18 @@ TEST(CrfTool, RewritesLabelsAndKeepsEverythingElse)
   EXPECT_GT(changed, 10);
 }
 
-TEST(CrfTool, ItsOwnOutputIsInputAgain)
+TEST(CrfTool, WorksOnItsOwnOutputAndWithoutColour)
 {
   const TemporaryFolder folder;
-  const std::string in = write(folder.path("in.pcd"), TextCloud().text());
+  const TextCloud input;
+  const std::string in = folder.write("in.pcd", input.text());
   succeed("crf " + in + " " + folder.path("once.pcd") + " --crf unary");
   succeed("crf " + folder.path("once.pcd") + " " + folder.path("twice.pcd"));
   succeed("crf " + in + " " + folder.path("direct.pcd"));
   EXPECT_LT(largestDifference(probabilitiesIn(folder.path("twice.pcd")),
                               probabilitiesIn(folder.path("direct.pcd"))),
             1e-5);
-}
-
-TEST(CrfTool, WorksWithoutColour)
-{
-  const TemporaryFolder folder;
-  const TextCloud input;
-  const std::string in = write(folder.path("in.pcd"), input.text("x y z label"));
+  folder.write("in.pcd", input.text("x y z label"));
   succeed("crf " + in + " " + folder.path("out.pcd"));
   EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
                               input.refined<pcl::PointXYZL>(CRFModelType::dense)),
@@ -195,7 +180,7 @@ TEST(CrfTool, MendsACloudWithoutColourInAnyUnit)
   const TemporaryFolder folder;
   for (const double step : {0.1, 0.5, 100.0}) {
     std::vector<int> truth;
-    const std::string in = write(folder.path("in.pcd"), noisyFloor(step, truth));
+    const std::string in = folder.write("in.pcd", noisyFloor(step, truth));
     const std::string text = succeed("crf " + in + " " + folder.path("out.pcd"));
     EXPECT_FALSE(holds(text, "warning"));
     const PcdTable table = readPcd(folder.path("out.pcd"));
@@ -213,7 +198,7 @@ TEST(CrfTool, SaysWhyNothingWasMended)
 {
   const TemporaryFolder folder;
   std::vector<int> truth;
-  const std::string floor = write(folder.path("floor.pcd"), noisyFloor(100.0, truth));
+  const std::string floor = folder.write("floor.pcd", noisyFloor(100.0, truth));
   const auto says = [&](const std::string& arguments, const std::string& words) {
     const std::string text =
         succeed("crf " + arguments + " " + folder.path("out.pcd") + " --quiet");
@@ -224,16 +209,16 @@ TEST(CrfTool, SaysWhyNothingWasMended)
   const std::string even =
       "FIELDS x y z probability\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 2\n"
       "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0 0.5 0.5\n0.1 0 0 0.5 0.5\n";
-  says(write(folder.path("even.pcd"), even), "all classes are equally likely");
+  says(folder.write("even.pcd", even), "all classes are equally likely");
   const std::string blank = asciiCloud("x y z label", "0 0 0 0\n0.1 0 0 0\n");
-  says(write(folder.path("blank.pcd"), blank), "no point has a label");
+  says(folder.write("blank.pcd", blank), "no point has a label");
 }
 
 TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
 {
   const TemporaryFolder folder;
   const TextCloud input;
-  const std::string in = write(folder.path("in.pcd"), input.text());
+  const std::string in = folder.write("in.pcd", input.text());
   std::vector<pcl::PointIndices> cliques(2); // 3 and 8
   for (int i = 0; i < 120; ++i)
     if (TextCloud::clique(i) > 0)
@@ -244,7 +229,7 @@ TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
       list += std::to_string(index) + " ";
     list += "\n";
   }
-  write(folder.path("list.txt"), list);
+  folder.write("list.txt", list);
   CliqueGenerator::Cloud places;
   pcl::copyPointCloud(*input.cloud, places);
   const auto cubes = CubeCliques(0.35).generate(places);
@@ -271,8 +256,7 @@ TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
 TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
 {
   const TemporaryFolder folder;
-  const std::string lattice =
-      write(folder.path("lattice.yaml"), "crf_kernels: lattice\n");
+  const std::string lattice = folder.write("lattice.yaml", "crf_kernels: lattice\n");
   for (const std::string tool : {"crf", "image_crf"}) {
     const std::string options =
         " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
@@ -280,7 +264,7 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
     const std::string printed = succeed(tool + options + " --config " + lattice);
     EXPECT_TRUE(holds(printed, "\ncrf_normalization: one-sided "));
     EXPECT_TRUE(holds(printed, "\ncrf_kernels: lattice "));
-    const std::string path = write(folder.path("config.yaml"), printed);
+    const std::string path = folder.write("config.yaml", printed);
     EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text, printed);
     EXPECT_NE(runTool(tool + " --print-config").text, printed);
   }
@@ -293,7 +277,7 @@ TEST(CrfTool, RefinesAMapAndItsEntropy)
           folder.path("map"));
   const std::string out = folder.path("refined.pcd");
   succeed("crf " + folder.path("map/map.pcd") + " " + out +
-          " --crf hierarchical --cliques cubes:1 " + kitti11);
+          " --crf hierarchical --cliques cubes:1" + of_kitti11);
   const PcdTable table = readPcd(out);
   const PcdColumn entropy(table, table.find("entropy"));
   LabelDistributions distributions;
@@ -361,7 +345,8 @@ TEST(BadInput, OfTheCrfTools)
 {
   const TextCloud cloud;
   const auto file = [](const std::string& name, const std::string& text) {
-    return [=](const std::string& street) { write(street + "/" + name, text); };
+    return
+        [=](const std::string& street) { std::ofstream(street + "/" + name) << text; };
   };
   const auto whole = file("in.pcd", cloud.text());
   const std::string crf = "crf STREET/in.pcd OUT.pcd ";
@@ -372,60 +357,46 @@ TEST(BadInput, OfTheCrfTools)
       "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT.png ";
   const cv::Mat small(20, 30, CV_8UC1, cv::Scalar(1));
   expectAllFail({
-      {"no files", 2, "expected IN OUT.pcd", "crf"},
-      {"missing", 3, "in.pcd: ", crf},
-      {"no place", 3, "in.pcd: has no field 'z'", crf,
-       with("FIELDS x y z", "FIELDS x y w")},
-      {"no label", 3, "in.pcd: has no field 'label' or 'probability'", crf,
+      {2, "expected IN OUT.pcd", "crf"},
+      {3, "in.pcd: ", crf},
+      {3, "in.pcd: has no field 'z'", crf, with("FIELDS x y z", "FIELDS x y w")},
+      {3, "in.pcd: has no field 'label' or 'probability'", crf,
        file("in.pcd", cloud.text("x y z rgba"))},
-      {"itself", 2, "in.pcd: is given as an output",
-       "crf STREET/in.pcd STREET/./in.pcd", whole},
-      {"classes", 3, "label 12 of point", crf + kitti11,
-       with(" 1 1000 8", " 12 1000 8")},
-      {"model", 2, "--crf: 'best', expected unary, dense, pn-potts or hierarchical",
+      {2, "in.pcd: is given as an output", "crf STREET/in.pcd STREET/./in.pcd", whole},
+      {3, "label 12 of point", crf + of_kitti11, with(" 1 1000 8", " 12 1000 8")},
+      {2, "--crf: 'best', expected unary, dense, pn-potts or hierarchical",
        crf + "--crf best"},
-      {"no cliques", 2, "need cliques", crf + "--crf hierarchical"},
-      {"cliques of dense", 2, "--cliques has no effect with --crf dense",
-       crf + "--cliques field"},
-      {"no such field", 3, "in.pcd: has no field 'clique'",
-       crf + "--crf pn-potts --cliques field",
+      {2, "need cliques", crf + "--crf hierarchical"},
+      {2, "--cliques has no effect with --crf dense", crf + "--cliques field"},
+      {3, "in.pcd: has no field 'clique'", crf + "--crf pn-potts --cliques field",
        file("in.pcd", cloud.text("x y z label"))},
-      {"beyond the cloud", 3, "calib.txt line 1",
-       crf + "--crf pn-potts --cliques STREET/calib.txt", whole},
-      {"cubes of 0", 2, "", crf + "--crf pn-potts --cliques cubes:0", whole},
-      {"cubes of a word", 2, "'big'", crf + "--crf pn-potts --cliques cubes:big",
+      {3, "calib.txt line 1", crf + "--crf pn-potts --cliques STREET/calib.txt", whole},
+      {2, "", crf + "--crf pn-potts --cliques cubes:0", whole},
+      {2, "'big'", crf + "--crf pn-potts --cliques cubes:big", whole},
+      {2, "expected slic:N with N 1 to 65536", crf + "--crf pn-potts --cliques slic:0",
        whole},
-      {"superpixels", 2, "expected slic:N with N 1 to 65536",
-       crf + "--crf pn-potts --cliques slic:0", whole},
-      {"a file with a colon", 3, "no:ne.txt",
-       crf + "--crf pn-potts --cliques STREET/no:ne.txt", whole},
-      {"superpixels of a list", 3, "organized", crf + "--crf pn-potts --cliques slic",
+      {3, "no:ne.txt", crf + "--crf pn-potts --cliques STREET/no:ne.txt", whole},
+      {3, "organized", crf + "--crf pn-potts --cliques slic",
        with("WIDTH 12\nHEIGHT 10", "WIDTH 120\nHEIGHT 1")},
-      {"weight", 2, "clique_weight is -1", crf + "--clique-weight -1"},
-      {"config", 3, "config.yaml line 1: key 'voxel_size'",
-       crf + "--config STREET/config.yaml", file("config.yaml", "voxel_size: 1\n")},
-      {"config out of range", 3, "config.yaml: clique_truncation is 2",
-       crf + "--config STREET/config.yaml",
+      {2, "clique_weight is -1", crf + "--clique-weight -1"},
+      {3, "config.yaml line 1: key 'voxel_size'", crf + "--config STREET/config.yaml",
+       file("config.yaml", "voxel_size: 1\n")},
+      {3, "config.yaml: clique_truncation is 2", crf + "--config STREET/config.yaml",
        file("config.yaml", "clique_truncation: 2\n")},
-      {"below a file", 5, "calib.txt", "crf STREET/in.pcd STREET/calib.txt/x.pcd",
-       whole},
-      {"no such folder", 5, "there is no folder", "crf STREET/none.pcd none/x.pcd"},
-      {"another kind of file", 2, "x.ply: expected a name that ends in .pcd",
-       "crf STREET/in.pcd x.ply"},
-      {"a word for cliques", 2, "cliques are 'supervoxels', expected none, field",
+      {5, "calib.txt", "crf STREET/in.pcd STREET/calib.txt/x.pcd", whole},
+      {5, "there is no folder", "crf STREET/none.pcd none/x.pcd"},
+      {2, "x.ply: expected a name that ends in .pcd", "crf STREET/in.pcd x.ply"},
+      {2, "cliques are 'supervoxels', expected none, field",
        crf + "--crf pn-potts --cliques supervoxels", whole},
-      {"no files", 2, "expected IMAGE DISTRIBUTIONS OUT.png", "image_crf a b"},
-      {"no image", 3, "none.png",
-       "image_crf STREET/none.png STREET/labels/000000.bin OUT.png"},
-      {"onto the image", 2, "000000.png: is given as an output",
+      {2, "expected IMAGE DISTRIBUTIONS OUT.png", "image_crf a b"},
+      {3, "none.png", "image_crf STREET/none.png STREET/labels/000000.bin OUT.png"},
+      {2, "000000.png: is given as an output",
        "image_crf STREET/image_2/000000.png STREET/labels/000000.bin "
        "STREET/image_2/../image_2/000000.png"},
-      {"overlay onto the output", 2, "is given as an output",
-       image + "--overlay OUT.png"},
-      {"a name of another kind", 2, "expected a name that ends in .bin",
-       image + "--refined OUT.txt"},
-      {"no cliques", 2, "need cliques", image + "--crf pn-potts"},
-      {"segments", 3, "small.png: has 30 x 20 pixels, expected 208 x 64",
+      {2, "is given as an output", image + "--overlay OUT.png"},
+      {2, "expected a name that ends in .bin", image + "--refined OUT.txt"},
+      {2, "need cliques", image + "--crf pn-potts"},
+      {3, "small.png: has 30 x 20 pixels, expected 208 x 64",
        image + "--crf pn-potts --cliques STREET/small.png",
        [=](const std::string& street) { writePng(street + "/small.png", small); }},
   });

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/bad_case.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
@@ -22,10 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string data = std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data";
-const std::string label_set = " --label-set " + data + "/label_sets/kitti11.yaml";
-const std::string label_mapping =
-    " --label-mapping " + data + "/label_mappings/semantic_kitti_to_kitti11.yaml";
+const std::string label_mapping = " --label-mapping " PCL_SEMANTIC_SOURCE_DIR
+                                  "/data/label_mappings/semantic_kitti_to_kitti11.yaml";
 
 void
 writeImage(const std::string& folder, const std::string& name, const cv::Mat1b& image)
@@ -40,11 +39,10 @@ protected:
   {
     // Two folders of truth, to be pooled: 6 pixels of road and 2 of building.
     const cv::Mat1b road(2, 3, Label(3)), building(2, 2, Label(1));
-    writeImage(folder_.path("t1"), "000000.png", road);
-    writeImage(folder_.path("p1"), "000000.png", road);
+    for (const char* const name : {"t1", "p1", "c1"})
+      writeImage(folder_.path(name), "000000.png", road);
     writeImage(folder_.path("t2"), "000004.png", building);
     writeImage(folder_.path("p2"), "000004.png", (cv::Mat1b(2, 2) << 1, 3, 0, 2));
-    writeImage(folder_.path("c1"), "000000.png", road);
     writeImage(folder_.path("c2"), "000004.png", (cv::Mat1b(2, 2) << 7, 0, 0, 0));
   }
 
@@ -67,14 +65,14 @@ TEST_F(EvaluateTool, MapsTheNumbersOfTruthImages)
     truth.data[i] = std::uint8_t(i % 11 + 1);
   writeImage(folder_.path("p3"), "000000.png", truth);
   writeImage(folder_.path("t3"), "000000.png", truth - 1);
-  const std::string command = "evaluate" + pair("3") + label_set + " --ignore none ";
+  const std::string command = "evaluate" + pair("3") + of_kitti11 + "--ignore none ";
   EXPECT_TRUE(holds(succeed(command + "--label-mapping zero_based"),
                     "mean                100.0"));
   EXPECT_TRUE(
       holds(succeed(command), "predictions are one more than the ground truth"));
 
   cv::Mat3b colours(4, 11);
-  const LabelSet classes = readLabelSet(data + "/label_sets/kitti11.yaml");
+  const LabelSet classes = readLabelSet(kitti11);
   for (int i = 0; i < 44; ++i) {
     const auto& rgb = classes[Label(truth.data[i])].colour;
     colours(i / 11, i % 11) = cv::Vec3b(rgb[2], rgb[1], rgb[0]);
@@ -86,7 +84,7 @@ TEST_F(EvaluateTool, MapsTheNumbersOfTruthImages)
 
 TEST_F(EvaluateTool, PoolsAndWrites)
 {
-  const std::string both = "evaluate" + pair("1") + pair("2") + label_set;
+  const std::string both = "evaluate" + pair("1") + pair("2") + of_kitti11;
   const std::string row =
       succeed(both + " --header --row both --output " + (folder_.path("out")));
   // Road: 6 right, 1 false positive. Building: 1 right, 2 wrong, 1 uncovered.
@@ -121,7 +119,7 @@ TEST_F(EvaluateTool, CountsEachRangeByItself)
   const std::string depths =
       " --truth-depth " + folder_.path("d1") + " --truth-depth " + folder_.path("d2");
   const std::string rows =
-      succeed("evaluate" + pair("1") + pair("2") + label_set + depths +
+      succeed("evaluate" + pair("1") + pair("2") + of_kitti11 + depths +
               " --range 0:10 --range 10:20 --range 20: --row map");
   EXPECT_EQ(
       rows,
@@ -131,11 +129,11 @@ TEST_F(EvaluateTool, CountsEachRangeByItself)
       "|\n"
       "| map, from 20 m | 33.3 | - | - | - | - | - | - | - | 33.3 | 33.3 | 25.0 | "
       "75.0 |\n");
-  const ToolResult table = runTool("evaluate" + pair("1") + pair("2") + label_set +
+  const ToolResult table = runTool("evaluate" + pair("1") + pair("2") + of_kitti11 +
                                    depths + " --range 0:10 --range 10:20");
   EXPECT_TRUE(holds(table.text, "\n10-20 m\nclass"));
 
-  const std::string one = "evaluate" + pair("1") + label_set;
+  const std::string one = "evaluate" + pair("1") + of_kitti11;
   expectFails(one + " --range 0:10", 2, "belong together");
   expectFails(one + " --truth-depth " + folder_.path("d1"), 2, "belong together");
   const std::string with_depth = one + " --truth-depth " + folder_.path("d1");
@@ -162,7 +160,7 @@ TEST_F(EvaluateTool, TakesLabelsOfScans)
   // The same truth in SemanticKITTI's numbers: 40 is road, 50 building, 0 nothing.
   writeScanLabels(folder_.path("raw/000003.label"), {40, 50, 50, 50, 0});
   const std::string begin =
-      "evaluate --prediction " + folder_.path("p") + label_set + " --row x ";
+      "evaluate --prediction " + folder_.path("p") + of_kitti11 + "--row x ";
   const std::string ours = begin + " --truth " + folder_.path("t");
   const std::string raw = begin + " --truth " + folder_.path("raw");
   const std::string expected = "| x | 50.0 | 50.0 | - |";
@@ -182,17 +180,17 @@ TEST_F(EvaluateTool, TakesLabelsOfScans)
 
 TEST_F(EvaluateTool, RefusesBadInput)
 {
-  const std::string one = "evaluate" + pair("1") + label_set;
-  expectFails("evaluate" + pair("1"), 2, "label-set");
-  expectFails(one + " --misspelt", 2, "misspelt");
-  expectFails(one + " --ignore 12", 2, "'12'");
-  expectFails(one + " --ignore skye", 2, "'skye'");
-  expectFails(one + " --truth " + (folder_.path("t2")), 2, "given 2 and 1 times");
-  expectFails("evaluate --prediction " + (folder_.path("p1")) + " --truth " +
-                  (folder_.path("t2")) + label_set,
-              3, "p1/000004.png: is missing");
-  expectFails(one + " --covered-by " + (folder_.path("c2")), 3, "c2/000000.png");
-  expectFails(one + " --output /dev/null/x", 5, "/dev/null/x");
+  const std::string one = "evaluate" + pair("1") + of_kitti11;
+  for (const auto& [command, code, says] :
+       {std::tuple("evaluate" + pair("1"), 2, "label-set"),
+        {one + " --misspelt", 2, "misspelt"},
+        {one + " --ignore 12", 2, "'12'"},
+        {one + " --ignore skye", 2, "'skye'"},
+        {one + " --truth " + folder_.path("t2"), 2, "given 2 and 1 times"},
+        {replaceAll(one, "/t1", "/t2"), 3, "p1/000004.png: is missing"},
+        {one + " --covered-by " + folder_.path("c2"), 3, "c2/000000.png"},
+        {one + " --output /dev/null/x", 5, "/dev/null/x"}})
+    expectFails(command, code, says);
   writeTextFile(folder_.path("p1/000000.png"), "no image");
   expectFails(one, 3, "p1/000000.png");
   writeImage(folder_.path("p1"), "000000.png", cv::Mat1b(2, 3, Label(12)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/ascii_cloud.h"
 #include "support/bad_case.h"
-#include "support/process_limits.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
@@ -12,13 +12,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A map of the tiny street, as folder, cloud and archive.
+// A map of the tiny street, as folder, cloud and archive; made once.
 class ExportedMap {
 public:
-  ExportedMap()
+  static const ExportedMap&
+  instance()
   {
-    succeed(mapOf(tinyStreet()) + " --crf none --output " + path("map") +
-            " --archive " + path("archive"));
+    static const ExportedMap map;
+    return map;
   }
 
   std::string
@@ -40,6 +41,12 @@ public:
   }
 
 private:
+  ExportedMap()
+  {
+    succeed(mapOf(tinyStreet()) + " --crf none --output " + path("map") +
+            " --archive " + path("archive"));
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -59,15 +66,10 @@ countOf(const std::string& image, unsigned char shade)
 }
 
 BadCase::Damage
-cloud(const std::string& fields, const std::string& points, int count)
+cloud(const std::string& fields, const std::string& points)
 {
   return [=](const std::string& street) {
-    std::ofstream(street + "/a.pcd")
-        << "VERSION 0.7\nFIELDS x y z" << fields << "\nSIZE 8 8 8"
-        << (fields.empty() ? "" : " 4") << "\nTYPE F F F"
-        << (fields.empty() ? "" : " U") << "\nWIDTH " << count << "\nHEIGHT 1\nPOINTS "
-        << count << "\nDATA ascii\n"
-        << points;
+    std::ofstream(street + "/a.pcd") << asciiCloud("x:F8 y:F8 z:F8" + fields, points);
   };
 }
 
@@ -75,7 +77,7 @@ cloud(const std::string& fields, const std::string& points, int count)
 
 TEST(ExportTool, WritesFoldersCloudsAndArchivesAlike)
 {
-  const ExportedMap map;
+  const ExportedMap& map = ExportedMap::instance();
   for (const auto& [name, options] :
        {std::pair("a.ply", ""), {"a.ply", "--colour rgb"}, {"a.pgm", ""}}) {
     SCOPED_TRACE(std::string(name) + " " + options);
@@ -90,7 +92,7 @@ TEST(ExportTool, WritesFoldersCloudsAndArchivesAlike)
 
 TEST(ExportTool, WritesTheVoxelsOfTheMap)
 {
-  const ExportedMap map;
+  const ExportedMap& map = ExportedMap::instance();
   std::string said;
   const std::string points = map.exported("map", "a.ply", "", &said);
   const long voxels = numberAfter(said, "voxels: ");
@@ -102,7 +104,7 @@ TEST(ExportTool, WritesTheVoxelsOfTheMap)
 
 TEST(ExportTool, KnowsFreeSpaceOfAnArchiveOnly)
 {
-  const ExportedMap map;
+  const ExportedMap& map = ExportedMap::instance();
   std::string of_folder, of_archive;
   const std::string tree = map.exported("map", "a.bt", "", &of_folder);
   EXPECT_LT(tree.size(), map.exported("archive", "a.bt", "", &of_archive).size());
@@ -119,85 +121,70 @@ TEST(ExportTool, KnowsFreeSpaceOfAnArchiveOnly)
             countOf(folder, 254));
 }
 
-TEST(ExportTool, SaysHowFarAnOctreeIsMoved)
-{
-  const TemporaryFolder folder;
-  cloud(" label", "0.08 0.05 0.05 1\n0.18 0.05 0.05 1\n", 2)(folder.path());
-  const std::string text =
-      succeed("export " + folder.path("a.pcd") + " " + folder.path("a.bt"));
-  EXPECT_TRUE(holds(text, "pcl_semantic_export: warning: the map is moved by -0.03 "));
-}
-
 TEST(BadUsage, ExportTool)
 {
-  const auto road = cloud(" label", "0.05 0.05 0.05 3\n0.15 0.05 0.05 3\n", 2);
+  const auto road = cloud(" label", "0.05 0.05 0.05 3\n0.15 0.05 0.05 3\n");
   const std::string in = "export STREET/a.pcd ";
   expectAllFail({
-      {"nothing", 2, "MAP or OUT is missing", "export"},
-      {"no output", 2, "MAP or OUT is missing", in},
-      {"no such name", 2, "expected a name that ends in .bt, .ply or .pgm",
-       in + "OUT.csv"},
-      {"format", 2, "--format was removed: the name of OUT",
-       in + "OUT.ply --format mesh"},
-      {"traversable", 2, "--traversable was removed: --ground names",
+      {2, "MAP or OUT is missing", "export"},
+      {2, "MAP or OUT is missing", in},
+      {2, "expected a name that ends in .bt, .ply or .pgm", in + "OUT.csv"},
+      {2, "--format was removed: the name of OUT", in + "OUT.ply --format mesh"},
+      {2, "--traversable was removed: --ground names",
        in + "OUT.pgm --traversable=road"},
-      {"colour", 2, "--colour is 'red', expected class or rgb",
-       in + "OUT.ply --colour red"},
-      {"colour of none", 2, "--colour has no effect without a .ply",
-       in + "OUT.bt --colour rgb"},
-      {"ground of none", 2, "--ground has no effect without a .pgm",
-       in + "OUT.ply --ground road"},
-      {"heights", 2, "--min-height", in + "OUT.pgm --min-height 3"},
-      {"height nan", 2, "--min-height", in + "OUT.pgm --min-height nan"},
-      {"reach", 2, "--ground-reach", in + "OUT.pgm --ground-reach -1"},
-      {"voxels < 0", 2, "--voxel-size is less than 0", in + "OUT.ply --voxel-size -1"},
-      {"no such class", 2, "--ground: the label set has no class 'lawn'",
+      {2, "--colour is 'red', expected class or rgb", in + "OUT.ply --colour red"},
+      {2, "--colour has no effect without a .ply", in + "OUT.bt --colour rgb"},
+      {2, "--ground has no effect without a .pgm", in + "OUT.ply --ground road"},
+      {2, "--min-height", in + "OUT.pgm --min-height 3"},
+      {2, "--min-height", in + "OUT.pgm --min-height nan"},
+      {2, "--ground-reach", in + "OUT.pgm --ground-reach -1"},
+      {2, "--voxel-size is less than 0", in + "OUT.ply --voxel-size -1"},
+      {2, "--ground: the label set has no class 'lawn'",
        in + "OUT.pgm --ground road,lawn", road},
-      {"over its label set", 2, "is given as an output and a second time",
+      {2, "is given as an output and a second time",
        in + "OUT.pgm --label-set OUT.yaml"},
-      {"no map", 3, "none.pcd: cannot be read", "export STREET/none.pcd OUT.ply"},
-      {"another format", 3, "a.las: is LAS, expected .pcd, .ply or .bin; convert it",
+      {3, "none.pcd: cannot be read", "export STREET/none.pcd OUT.ply"},
+      {3, "a.las: is LAS, expected .pcd, .ply or .bin; convert it",
        "export STREET/a.las OUT.ply",
        [](const std::string& street) {
          std::ofstream(street + "/a.las") << "LASF and more";
        }},
-      {"a .ply without labels", 3, "a.ply: has no labels",
-       "export STREET/a.ply OUT.pgm",
+      {3, "a.ply: has no labels", "export STREET/a.ply OUT.pgm",
        [](const std::string& street) {
-         std::ofstream(street + "/a.ply")
-             << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty "
-                "float y\nproperty float z\nend_header\n0 0 0\n0.1 0 0\n";
+         std::ofstream(street + "/a.ply") << asciiPly("x y z", "0 0 0\n0.1 0 0\n");
        }},
-      {"no labels", 3, "a.pcd: has no labels", in + "OUT.pgm",
-       cloud("", "0 0 0\n0.1 0 0\n", 2)},
-      {"no colours", 2, "no colour", in + "OUT.ply --colour rgb", road},
-      {"no ground", 3, "a.pcd: the map has no voxel of the classes of the ground",
+      {3, "a.pcd: has no labels", in + "OUT.pgm", cloud("", "0 0 0\n0.1 0 0\n")},
+      {2, "no colour", in + "OUT.ply --colour rgb", road},
+      {3, "a.pcd: the map has no voxel of the classes of the ground",
        in + "OUT.pgm --ground sidewalk", road},
-      {"beyond the set", 2, "label 12 is beyond the 11 classes", in + "OUT.ply",
-       cloud(" label", "0 0 0 1\n0.1 0 0 12\n", 2)},
-      {"no pixel", 3, "a.pcd: has no point, expected one or more", in + "OUT.pgm",
-       cloud(" label", "", 0)},
-      {"no size", 3, "a.pcd: has no point to derive the voxel size from", in + "OUT.bt",
-       cloud(" label", "", 0)},
-      {"too far for an octree", 3, "a.pcd: the map reaches 40000 voxels",
-       in + "OUT.bt --voxel-size 0.1", cloud(" label", "0 0 0 1\n0 4000.05 0 1\n", 2)},
-      {"too large for a plan", 3, "a.pcd: the map is 100001 x 100001 columns",
-       in + "OUT.pgm --voxel-size 1",
-       cloud(" label", "0.5 0.5 0 3\n100000.5 100000.5 0 3\n", 2)},
-      {"below a file", 5, "calib.txt", in + "STREET/calib.txt/a.ply", road},
-      {"a folder", 5, "b.bt: cannot be written: it is a folder", in + "STREET/b.bt",
+      {2, "label 12 is beyond the 11 classes", in + "OUT.ply",
+       cloud(" label", "0 0 0 1\n0.1 0 0 12\n")},
+      {3, "a.pcd: has no point, expected one or more", in + "OUT.pgm",
+       cloud(" label", "")},
+      {3, "a.pcd: has no point to derive the voxel size from", in + "OUT.bt",
+       cloud(" label", "")},
+      {3, "a.pcd: the map reaches 40000 voxels", in + "OUT.bt --voxel-size 0.1",
+       cloud(" label", "0 0 0 1\n0 4000.05 0 1\n")},
+      {3, "a.pcd: the map is 100001 x 100001 columns", in + "OUT.pgm --voxel-size 1",
+       cloud(" label", "0.5 0.5 0 3\n100000.5 100000.5 0 3\n")},
+      {5, "calib.txt", in + "STREET/calib.txt/a.ply", road},
+      {5, "b.bt: cannot be written: it is a folder", in + "STREET/b.bt",
        [=](const std::string& street) {
          road(street);
          fs::create_directory(street + "/b.bt");
        }},
-      {"label set", 3, "none.yaml", in + "OUT.ply --label-set none.yaml", road},
+      {3, "none.yaml", in + "OUT.ply --label-set none.yaml", road},
   });
 }
 
-TEST(ExportTool, OfNoPointsAFileOfNone)
+TEST(ExportTool, SaysHowFarAnOctreeIsMovedAndThatThereIsNoPoint)
 {
   const TemporaryFolder folder;
-  cloud(" label", "", 0)(folder.path());
+  cloud(" label", "0.08 0.05 0.05 1\n0.18 0.05 0.05 1\n")(folder.path());
+  EXPECT_TRUE(
+      holds(succeed("export " + folder.path("a.pcd") + " " + folder.path("a.bt")),
+            "pcl_semantic_export: warning: the map is moved by -0.03 "));
+  cloud(" label", "")(folder.path());
   for (const std::string name : {"a.ply", "a.bt --voxel-size 0.1"}) {
     const std::string said =
         succeed("export " + folder.path("a.pcd") + " " + folder.path(name));
@@ -209,22 +196,12 @@ TEST(ExportTool, OfNoPointsAFileOfNone)
 
 TEST(BadOutput, FullDiskOfExports)
 {
-  const ExportedMap map;
-  for (const char* const name : {"a.ply", "a.bt", "a.pgm"}) {
-    const std::string path = map.path(name);
-    const ToolResult result = [&] {
-      const FullDisk disk(1200);
-      return runTool("export " + map.path("map") + " " + path, kStartedAnew);
-    }();
-    EXPECT_EQ(result.code, 5) << result.text;
-    EXPECT_EQ(result.text,
-              "pcl_semantic_export: " + path +
-                  ": could not be written completely (is the disk full?)\n");
-  }
-  std::size_t entries = 0;
-  for (const auto& entry : fs::directory_iterator(map.path("")))
-    entries += entry.path().filename() != "map" && entry.path().filename() != "archive";
-  EXPECT_EQ(entries, 0u);
+  const ExportedMap& map = ExportedMap::instance();
+  const TemporaryFolder folder;
+  for (const std::string& path :
+       {folder.path("a.ply"), folder.path("a.bt"), folder.path("a.pgm")})
+    expectDiskFull("export " + map.path("map") + " " + path, 1200, path);
+  EXPECT_EQ(folder.entries(), 0u);
 }
 
 } // namespace pcl_semantic

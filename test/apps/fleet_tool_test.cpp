@@ -199,7 +199,8 @@ class ChangedFleet : public Fleet {
 protected:
   struct Case {
     std::string name, before, after;
-    std::function<void()> change = nullptr; ///< of files, in between
+    std::function<void()> change = nullptr; ///< of the inputs, in between
+    std::function<void()> damage = nullptr; ///< of what plan A has made
   };
 
   std::string
@@ -252,28 +253,32 @@ protected:
     ASSERT_TRUE(file.good()) << path;
   }
 
+  // The folder that a plan alone makes: once of the same inputs.
+  std::string
+  made(const std::string& plan, bool anew = false) const
+  {
+    const std::string folder =
+        anew ? "new" : "made/" + std::to_string(std::hash<std::string>()(plan));
+    if (anew)
+      fs::remove_all(folder_.path(folder));
+    if (!fs::exists(folder_.path(folder)))
+      run(folder, plan);
+    return folder_.path(folder);
+  }
+
   void
   expectSame(const Case& each)
   {
     SCOPED_TRACE(each.name);
     copyStreet(street_);
-    for (const char* const folder : {"used", "new"})
-      fs::remove_all(folder_.path(folder));
-    const std::string before =
-        folder_.path("before/" + std::to_string(std::hash<std::string>()(each.before)));
-    if (!fs::exists(before)) {
-      run("used", each.before);
-      fs::create_directories(folder_.path("before"));
-      fs::copy(folder_.path("used"), before, fs::copy_options::recursive);
-    }
-    else
-      fs::copy(before, folder_.path("used"), fs::copy_options::recursive);
-    if (each.change)
-      each.change();
+    fs::remove_all(folder_.path("used"));
+    fs::copy(made(each.before), folder_.path("used"), fs::copy_options::recursive);
+    for (const auto& happens : {each.change, each.damage})
+      if (happens)
+        happens();
     run("used", each.after);
-    run("new", each.after);
     const std::string used = folder_.path("used/city"),
-                      fresh = folder_.path("new/city");
+                      fresh = made(each.after, bool(each.change)) + "/city";
     EXPECT_EQ(mapIn(used), mapIn(fresh));
     EXPECT_EQ(filesIn(used), filesIn(fresh));
     const auto columns = [](const std::string& log) {
@@ -296,8 +301,7 @@ TEST_F(ChangedFleet, IsThatOfItsPlan)
                     far = writePoses("far.txt", 300),
                     placed = plan(a + drive("b", "1:3", ", corrected_poses: " + near)),
                     whole = plan(drive("a", "0:3"), ", submap_every: 3");
-  std::string classes =
-      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  std::string classes = bytesOf(kitti11);
   const std::string kitti = folder_.write("kitti.yaml", classes);
   classes.replace(classes.find("building"), 8, "dwelling");
   const std::string others = folder_.write("others.yaml", classes);
@@ -363,17 +367,17 @@ TEST_F(ChangedFleet, IsThatOfItsPlan)
            {"option of the CRF", refined, plan(a + b, ", crf: dense, crf_iterations: 2")},
            {"no CRF", refined, both},
            {"last drive removed, with the CRF", refined, plan(a, ", crf: dense")},
-           {"a tile is damaged", both, both, [&] { damage(firstTile(), 9000); }},
-           {"a tile is lost", both, both, [&] { fs::remove(firstTile()); }},
-           {"a submap is damaged", both, both,
+           {"a tile is damaged", both, both, {}, [&] { damage(firstTile(), 9000); }},
+           {"a tile is lost", both, both, {}, [&] { fs::remove(firstTile()); }},
+           {"a submap is damaged", both, both, {},
             [&] {
               const std::string path =
                   folder_.path("used/city/submaps/b/000002.map");
               damage(path, fs::file_size(path) / 2);
             }},
-           {"a submap is no archive", both, both,
+           {"a submap is no archive", both, both, {},
             [&] { folder_.write("used/city/submaps/b/000002.map", "nothing"); }},
-           {"a submap is lost", both, both,
+           {"a submap is lost", both, both, {},
             [&] { fs::remove(folder_.path("used/city/submaps/b/000002.map")); }}})
     expectSame(each);
 }

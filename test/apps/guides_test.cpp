@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The guides of doc/: every command runs, from the first to the last, in a folder that
-// looks like the project once it is built; every file that is shown is written where
-// its first line says; C++ is a part of an example, which is compiled.
+// The guides of doc/ and the README: every command runs, from the first to the last, in
+// a folder that looks like the project once it is built; every file that is shown is
+// written where its first line says; C++ is a part of an example, which is compiled.
 
-#include "support/code_blocks.h"
 #include "support/onnx_writer.h"
 #include "support/own_camera.h"
 #include "support/thrown_message.h"
@@ -20,7 +19,93 @@ namespace {
 using namespace pcl_semantic;
 namespace fs = std::filesystem;
 
+struct CodeBlock {
+  std::string language; ///< "bash"; empty if unspecified
+  std::vector<std::string> lines;
+};
+
+std::vector<CodeBlock>
+codeBlocksOf(const std::string& path)
+{
+  std::vector<CodeBlock> blocks;
+  bool inside = false;
+  for (const std::string& line : linesOf(path)) {
+    const bool is_fence = line.rfind("```", 0) == 0;
+    if (is_fence && !inside)
+      blocks.push_back({line.substr(3), {}});
+    else if (!is_fence && inside)
+      blocks.back().lines.push_back(line);
+    inside = inside != is_fence;
+  }
+  EXPECT_FALSE(inside) << path << ": the last block does not end";
+  return blocks;
+}
+
+// The commands of a bash block, continued lines joined.
+std::vector<std::string>
+commandsOf(const CodeBlock& block)
+{
+  std::vector<std::string> commands;
+  bool continued = false;
+  for (std::string line : block.lines) {
+    const bool continues = !line.empty() && line.back() == '\\';
+    if (continues)
+      line.pop_back();
+    if (continued)
+      commands.back() += line;
+    else if (!line.empty())
+      commands.push_back(line);
+    continued = continues;
+  }
+  return commands;
+}
+
+std::vector<std::string>
+bashCommandsOf(const std::string& path)
+{
+  std::vector<std::string> commands;
+  for (const CodeBlock& block : codeBlocksOf(path))
+    if (block.language == "bash")
+      for (const std::string& command : commandsOf(block))
+        commands.push_back(command);
+  return commands;
+}
+
+// Targets of the local links in a Markdown file.
+std::vector<std::string>
+localLinksOf(const std::string& path)
+{
+  std::vector<std::string> links;
+  const std::string text = bytesOf(path);
+  for (std::size_t at = 0; (at = text.find("](", at)) != std::string::npos; ++at) {
+    const std::string target = text.substr(at + 2, text.find(')', at) - at - 2);
+    if (target.rfind("http", 0) != 0)
+      links.push_back(target);
+  }
+  return links;
+}
+
+// Whether the lines of a block are consecutive in a source file, at any indentation;
+// empty lines are ignored.
+bool
+isPartOf(const std::string& source, const CodeBlock& block)
+{
+  const auto flatten = [](const std::vector<std::string>& lines) {
+    std::string text = "\n";
+    for (const std::string& line : lines) {
+      const std::size_t begin = line.find_first_not_of(' ');
+      if (begin != std::string::npos)
+        text += line.substr(begin) + "\n";
+    }
+    return text;
+  };
+  const std::string wanted = flatten(block.lines);
+  return wanted.size() > 1 &&
+         flatten(linesOf(source)).find(wanted) != std::string::npos;
+}
+
 const std::string docs = PCL_SEMANTIC_SOURCE_DIR "/doc/";
+const char* const readme = PCL_SEMANTIC_SOURCE_DIR "/README.md";
 const char* const guides[] = {"tutorial.md", "own_clouds.md", "own_network.md",
                               "how_it_works.md", "viewing.md"};
 
@@ -31,10 +116,11 @@ layOut(const TemporaryFolder& folder)
   fs::create_directories(folder.path("build"));
   fs::create_directories(folder.path("park"));
   fs::create_directories(folder.path("nets"));
-  for (const char* const name : {"bin", "examples"})
-    fs::create_directory_symlink(PCL_SEMANTIC_BINARY_DIR + ("/" + std::string(name)),
-                                 folder.path("build/" + std::string(name)));
-  fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
+  for (const std::string name : {"/bin", "/examples", "/python"})
+    fs::create_directory_symlink(PCL_SEMANTIC_BINARY_DIR + name,
+                                 folder.path("build" + name));
+  for (const std::string name : {"/data", "/python"})
+    fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR + name, folder.path() + name);
   writeOwnCamera(folder.path("rig"));
   folder.write("nets/espnetv2_s2.0_city_1280x480_halfres.onnx", cityNetwork());
   PointwiseNetwork park;
@@ -66,16 +152,48 @@ writeShownFile(const TemporaryFolder& folder, const CodeBlock& block)
   folder.write(fileShownIn(block), text);
 }
 
+// What ./dev demo makes.
 void
-runCommands(const TemporaryFolder& folder, const CodeBlock& block)
+writeDemo(const TemporaryFolder& folder)
 {
-  for (const std::string& command : commandsOf(block)) {
-    if (command.rfind("./dev ", 0) == 0)
-      continue; // below
-    const ToolResult result = runShell("{ HOME=" + folder.path() + "; cd " +
-                                       folder.path() + "; " + command + "; } 2>&1");
-    EXPECT_EQ(result.code, 0) << command << "\n" << result.text;
-  }
+  const std::string demo = folder.path("build/demo");
+  fs::create_directories(demo);
+  copyStreet(demo + "/sequence");
+  addScan(demo + "/sequence");
+  succeed(mapOf(demo + "/sequence") + " --output " + demo + "/map");
+}
+
+// Runs commands, except those of ./dev (below) and the reader's own paths.
+int
+runCommands(const TemporaryFolder& folder, const std::vector<std::string>& commands,
+            const std::string& variables = "")
+{
+  int run = 0;
+  for (const std::string& command : commands)
+    if (command.rfind("./dev ", 0) != 0 && command.rfind("SEQUENCE=", 0) != 0 &&
+        command.rfind("MODEL=", 0) != 0) {
+      ++run;
+      const ToolResult result =
+          runShell("{ HOME=" + folder.path() + "; cd " + folder.path() + "; " +
+                   variables + command + "; } 2>&1");
+      EXPECT_EQ(result.code, 0) << command << "\n" << result.text;
+    }
+  return run;
+}
+
+// The number of the commands of ./dev in a document, which --help has to list.
+int
+commandsOfDev(const std::string& document)
+{
+  static const std::string help =
+      runShell("bash " PCL_SEMANTIC_SOURCE_DIR "/dev --help 2>&1").text;
+  int found = 0;
+  for (const std::string& command : bashCommandsOf(document))
+    if (command.rfind("./dev ", 0) == 0) {
+      ++found;
+      EXPECT_TRUE(holds(help, "\n  " + command.substr(6))) << command;
+    }
+  return found;
 }
 
 bool
@@ -98,10 +216,11 @@ textOf(const CodeBlock& block)
 void
 follow(const std::string& guide, const TemporaryFolder& folder)
 {
-  layOut(folder);
+  if (folder.entries() == 0)
+    layOut(folder);
   for (const CodeBlock& block : codeBlocksOf(docs + guide)) {
     if (block.language == "bash")
-      runCommands(folder, block);
+      runCommands(folder, commandsOf(block));
     else if (block.language == "cpp")
       EXPECT_TRUE(isInAnExample(block)) << "in no example: " << textOf(block);
     else if (!fileShownIn(block).empty())
@@ -203,10 +322,8 @@ TEST(Guides, ViewingDrawsTheDemo)
       runShell("command -v xvfb-run").code != 0)
     GTEST_SKIP() << "pcl_semantic_view or xvfb is missing";
   const TemporaryFolder folder;
-  const std::string street = folder.path("build/demo/sequence");
-  fs::create_directories(folder.path("build/demo"));
-  copyStreet(street);
-  succeed(mapOf(street) + " --output " + folder.path("build/demo/map"));
+  layOut(folder);
+  writeDemo(folder);
   follow("viewing.md", folder);
   for (const char* const picture : {"view.png", "entropy.png"})
     EXPECT_EQ(readPng(folder.path(picture), ImageKind::grey_or_colour).cols, 1600);
@@ -231,9 +348,9 @@ TEST(Guides, HowItWorksNamesFilesThatAreThere)
 
 TEST(Guides, LinksLeadSomewhereAndTheReadmeToThem)
 {
-  const std::string readme = bytesOf(PCL_SEMANTIC_SOURCE_DIR "/README.md");
+  const std::string text = bytesOf(readme);
   for (const std::string guide : guides) {
-    EXPECT_TRUE(holds(readme, "](doc/" + guide + ")")) << guide;
+    EXPECT_TRUE(holds(text, "](doc/" + guide + ")")) << guide;
     EXPECT_FALSE(localLinksOf(docs + guide).empty());
     for (const std::string& link : localLinksOf(docs + guide)) {
       const std::string target = link.substr(0, link.find('#'));
@@ -243,21 +360,56 @@ TEST(Guides, LinksLeadSomewhereAndTheReadmeToThem)
           << guide << ": " << link;
     }
   }
+  const std::vector<std::string> links = localLinksOf(readme);
+  for (const std::string& target : links)
+    EXPECT_TRUE(fs::exists(fs::path(PCL_SEMANTIC_SOURCE_DIR) / target)) << target;
+  EXPECT_GE(links.size(), 5u);
 }
 
 TEST(Guides, TheirCommandsOfDevExist)
 {
-  const std::string help =
-      runShell("bash " PCL_SEMANTIC_SOURCE_DIR "/dev --help 2>&1").text;
   int found = 0;
   for (const std::string guide : guides)
-    for (const std::string& command : bashCommandsOf(docs + guide)) {
-      if (command.rfind("./dev ", 0) != 0)
-        continue;
-      ++found;
-      EXPECT_TRUE(holds(help, "\n  " + command.substr(6))) << command;
-    }
+    found += commandsOfDev(docs + guide);
   EXPECT_GT(found, 0);
+  EXPECT_EQ(commandsOfDev(readme), 3);
+  const std::string ci =
+      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/.ci/run"); // runs them itself
+  for (const std::string& command : bashCommandsOf(readme))
+    EXPECT_TRUE(command.rfind("./dev ", 0) != 0 || holds(ci, command)) << command;
+}
+
+// And those of doc/kitti.md, with a tiny street instead of KITTI.
+TEST(Readme, ItsCommandsRun)
+{
+  const TemporaryFolder folder;
+  layOut(folder);
+  writeDemo(folder);
+  std::vector<std::string> commands = bashCommandsOf(readme);
+  for (const std::string& command : bashCommandsOf(docs + "kitti.md"))
+    commands.push_back(command);
+  EXPECT_GE(runCommands(folder, commands,
+                        "SEQUENCE=" + folder.path("build/demo/sequence") +
+                            "; MODEL=" + folder.write("city.onnx", cityNetwork()) +
+                            "; PATH=/usr/bin:$PATH; "), // Debian's Python
+            5);
+  for (const char* file :
+       {"map_05/map.pcd", "map_coarse/map.pcd", "truth_05/000000.png", "refined.pcd",
+        "refined.png", "overlay.png"})
+    EXPECT_TRUE(fs::exists(folder.path(file))) << file;
+}
+
+TEST(Readme, ItsTableNamesEveryTool)
+{
+  const std::string text = bytesOf(readme), prefix = "pcl_semantic_";
+  int tools = 0;
+  for (const auto& entry : fs::directory_iterator(PCL_SEMANTIC_BINARY_DIR "/bin")) {
+    ++tools;
+    const std::string name = entry.path().filename().string();
+    ASSERT_EQ(name.rfind(prefix, 0), 0u) << name;
+    EXPECT_TRUE(holds(text, "`" + name.substr(prefix.size()) + "`")) << name;
+  }
+  EXPECT_GE(tools, 4);
 }
 
 TEST(Reference, IsMadeWithoutWarnings)

@@ -39,14 +39,11 @@ TEST(HostileNames, ControlCharactersAreEscapedInMessages)
 TEST(HostileNames, ClassNamesAreEscapedInTextAndJson)
 {
   const TemporaryFolder folder;
-  std::string classes =
-      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  std::string classes = bytesOf(kitti11);
   classes.replace(classes.find("building"), 8, "a\xC2\x9B\xE2\x80\xAEz");
   const std::string set = folder.write("classes.yaml", classes);
-  for (const std::string image : {"000000.png"}) {
-    fs::create_directories(folder.path("labels"));
-    writePng(folder.path("labels/" + image), cv::Mat(20, 30, CV_8UC1, cv::Scalar(1)));
-  }
+  fs::create_directories(folder.path("labels"));
+  writePng(folder.path("labels/000000.png"), cv::Mat(20, 30, CV_8UC1, cv::Scalar(1)));
   const std::string command = "evaluate --prediction " + folder.path("labels") +
                               " --truth " + folder.path("labels") + " --label-set " +
                               set;
@@ -112,8 +109,7 @@ TEST(HostileNames, PathsNeedNotBeUtf8)
   const TemporaryFolder folder;
   const std::string output = folder.path("m\xE9p");
   mapStreet(tinyStreet(), output, "--crf none --frames 0:1");
-  std::ifstream summary(output + "/summary.json");
-  EXPECT_TRUE(nlohmann::json::parse(summary)["finished"]);
+  EXPECT_TRUE(readJson(output + "/summary.json")["finished"]);
 }
 
 TEST(HostileNames, AFolderThatIsWrittenToIsRefused)
@@ -137,29 +133,16 @@ TEST(HostileNames, AReaderThatLeavesDoesNotEndARun)
                " --labels " + tinyStreet() + "/labels --crf none --verbose --output " +
                folder.path("map") + "; echo $? > " + folder.path("code") +
                " ) 2>&1 | head -n 1");
-  std::ifstream code(folder.path("code"));
-  int number = -1;
-  code >> number;
-  EXPECT_EQ(number, 5) << result.text; // its results had no reader
-  std::ifstream summary(folder.path("map/summary.json"));
-  EXPECT_TRUE(nlohmann::json::parse(summary)["finished"]);
+  EXPECT_EQ(bytesOf(folder.path("code")), "5\n") << result.text; // no reader of results
+  EXPECT_TRUE(readJson(folder.path("map/summary.json"))["finished"]);
 }
 
 TEST(HostileCalibrations, OfImagesOfAnotherSizeAreTold)
 {
   // KITTI's file does not say a size, but its principal point is near the middle.
   const TemporaryFolder folder;
-  std::ifstream original(tinyStreet() + "/calib.txt");
-  std::ostringstream changed;
-  for (std::string name, line; original >> name && std::getline(original, line);) {
-    std::istringstream numbers(line);
-    changed << name;
-    double number = 0.0;
-    for (int i = 0; numbers >> number; ++i)
-      changed << " " << (name != "Tr:" && i < 8 ? number / 2.0 : number);
-    changed << "\n";
-  }
-  folder.write("half.txt", changed.str());
+  fs::copy_file(tinyStreet() + "/calib.txt", folder.path("half.txt"));
+  halveCamera(folder.path("half.txt"));
   const std::string image = "/000000.png ";
   const std::string command =
       "stereo " + tinyStreet() + "/image_2" + image + tinyStreet() + "/image_3" + image;
@@ -169,9 +152,10 @@ TEST(HostileCalibrations, OfImagesOfAnotherSizeAreTold)
   const std::string half = succeed(command + folder.path("half.txt") + output);
   EXPECT_TRUE(holds(half, "is far from the middle of the images"));
   EXPECT_EQ(runTool(command + folder.path("half.txt") + output + " --strict").code, 3);
-  const ToolResult none =
-      runTool(command + tinyStreet() + "/calib.txt" + output + " --max-depth 0.01");
-  EXPECT_TRUE(holds(none.text, "warning: no pixel has a depth"));
+  EXPECT_TRUE(holds(
+      runTool(command + tinyStreet() + "/calib.txt" + output + " --max-depth 0.01")
+          .text,
+      "warning: no pixel has a depth"));
 }
 
 } // namespace

@@ -28,10 +28,7 @@ addNetwork(const std::string& street)
   network.bias = {0.1f, -0.2f, 0.3f, -5.0f};
   std::ofstream(street + "/net.onnx", std::ios::binary) << network.file();
   std::ofstream(street + "/net.yaml")
-      << "model: net.onnx\nlabel_set: " PCL_SEMANTIC_SOURCE_DIR
-         "/data/label_sets/kitti11.yaml\ninput: {name: image, width: 8, height: 6}\n"
-         "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
-         "deviation: [0.2, 0.2, 0.2]\nchannels: [road, car, building, '-']\n";
+      << smallNetworkYaml("net.onnx", "road, car, building, '-'");
 }
 
 const std::string tool = "label STREET --network STREET/net.yaml ";
@@ -183,42 +180,35 @@ TEST(LabelTool, BadCarrying)
   };
   const std::string pose = "--sensor-pose STREET/scanner.txt ";
   expectAllFail(
-      {{"no pose", 2, "--left needs --sensor-pose", own + "-o OUT", damage},
-       {"right", 2, "--right has no effect with --clouds",
+      {{2, "--left needs --sensor-pose", own + "-o OUT", damage},
+       {2, "--right has no effect with --clouds",
         own + pose + "--right STREET/image_3 -o OUT", damage},
-       {"no intrinsics", 2, "--left needs --calibration",
+       {2, "--left needs --calibration",
         carry + "--left STREET/image_2 " + pose + "-o OUT", damage},
-       {"both", 2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
-       {"window", 2, "--occlusion-window is '3'",
-        carry + "STREET --occlusion-window 3 -o OUT", damage},
-       {"pose alone", 2,
-        "--sensor-pose has no effect with --clouds that have no SEQUENCE",
+       {2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
+       {2, "--occlusion-window is '3'", carry + "STREET --occlusion-window 3 -o OUT",
+        damage},
+       {2, "--sensor-pose has no effect with --clouds that have no SEQUENCE",
         carry + pose + "-o OUT", damage},
-       {"depth", 2, "--max-depth", carry + "STREET --max-depth -1 -o OUT", damage},
-       {"no image", 3, "the camera has no image of frame 7", carry + "STREET -o OUT",
-        andAnother},
-       {"no own image", 3, "has no image of frame 7", own + pose + "-o OUT",
-        andAnother},
-       {"poses", 3, "holds 2 poses, expected one", own + pose + "-o OUT", twoPoses},
-       {"no pose file", 3, "none.txt", own + "--sensor-pose STREET/none.txt -o OUT",
-        damage}});
+       {2, "--max-depth", carry + "STREET --max-depth -1 -o OUT", damage},
+       {3, "the camera has no image of frame 7", carry + "STREET -o OUT", andAnother},
+       {3, "has no image of frame 7", own + pose + "-o OUT", andAnother},
+       {3, "holds 2 poses, expected one", own + pose + "-o OUT", twoPoses},
+       {3, "none.txt", own + "--sensor-pose STREET/none.txt -o OUT", damage}});
 }
 
 TEST(LabelTool, BadInput)
 {
   expectAllFail(
-      {{"no sequence", 2, "expected a SEQUENCE, or --left", "label"},
-       {"no output", 2, "--output is missing", tool},
-       {"no network", 2, "--network is missing", "label STREET --output OUT"},
-       {"format", 2, "--format is 'jpg'", tool + "--format jpg --output OUT"},
-       {"over the images", 2, "holds images",
-        tool + "--format ids --output STREET/image_2"},
-       {"beside others", 2, "where only .npy files", tool + "--output STREET/labels"},
-       {"frames", 3, "has no frame in 7:9", tool + "--frames 7:9 --output OUT",
-        addNetwork},
-       {"no description", 3, "net.yaml", tool + "--output OUT"},
-       {"no folder", 5, "cannot be made", tool + "--output STREET/calib.txt/out",
-        addNetwork}});
+      {{2, "expected a SEQUENCE, or --left", "label"},
+       {2, "--output is missing", tool},
+       {2, "--network is missing", "label STREET --output OUT"},
+       {2, "--format is 'jpg'", tool + "--format jpg --output OUT"},
+       {2, "holds images", tool + "--format ids --output STREET/image_2"},
+       {2, "where only .npy files", tool + "--output STREET/labels"},
+       {3, "has no frame in 7:9", tool + "--frames 7:9 --output OUT", addNetwork},
+       {3, "net.yaml", tool + "--output OUT"},
+       {5, "cannot be made", tool + "--output STREET/calib.txt/out", addNetwork}});
 }
 
 } // namespace pcl_semantic

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/tiny_street.h"
+#include "support/mapped_street.h"
 
 #include <pcl_semantic/files/trajectory_file.h>
 
@@ -18,11 +18,13 @@ namespace {
 
 class LiveMap : public testing::Test {
 protected:
+  // A command for the shell: maps pairs in the background, and prints into the log.
   std::string
-  command(const std::string& more = "") const
+  start(const std::string& pairs, const std::string& labels = tinyStreet() + "/labels",
+        const std::string& more = "") const
   {
-    return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " + street + " --labels " +
-           tinyStreet() + "/labels --output " + map + " " + more;
+    return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " + pairs + " --labels " +
+           labels + " --verbose --output " + map + more + " >" + log + " 2>&1 & ";
   }
 
   // For the shell: waits until its last run has printed the text.
@@ -54,8 +56,8 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
     fill += waitFor("live: frame " + frame);
   }
   const ToolResult result =
-      runShell("env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT " + command("--verbose") +
-               " >" + log + " 2>&1 & " + waitFor("waiting for calib.txt") + fill +
+      runShell("env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT " + start(street) +
+               waitFor("waiting for calib.txt") + fill +
                "tr '\\0' '\\n' </proc/$!/environ | grep GOMP; cat /proc/$!/comm; "
                "kill -INT $!; wait $!; code=$?; cat " +
                log + "; exit $code");
@@ -64,8 +66,7 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
   EXPECT_TRUE(holds(result.text, "dropped: 0"));
   EXPECT_TRUE(holds(result.text, "GOMP_SPINCOUNT=1000"));
   EXPECT_TRUE(holds(result.text, "pcl_semantic_li\n")) << "as ps and killall have it";
-  std::ifstream file(map + "/summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(file);
+  const nlohmann::json summary = readJson(map + "/summary.json");
   EXPECT_EQ(summary["finished"], true);
   EXPECT_EQ(summary["frame_numbers"], nlohmann::json::array({0, 1, 2}));
   EXPECT_GT(summary["voxels"], 100);
@@ -78,16 +79,14 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 TEST_F(LiveMap, ASecondInterruptIsIgnored)
 {
   const std::string archive = folder.path("live.map");
-  const ToolResult twice = runShell(
-      PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " + tinyStreet() + " --labels " +
-      tinyStreet() + "/labels --verbose --output " + map + " --archive " + archive +
-      " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
-      "kill -INT $!; sleep 0.02; kill -INT $!; wait $!; code=$?; cat " + log +
-      "; exit $code");
+  const ToolResult twice =
+      runShell(start(tinyStreet(), tinyStreet() + "/labels", " --archive " + archive) +
+               waitFor("live: frame 2") +
+               "kill -INT $!; sleep 0.02; kill -INT $!; wait $!; code=$?; cat " + log +
+               "; exit $code");
   EXPECT_EQ(twice.code, 0) << twice.text;
   EXPECT_TRUE(holds(twice.text, "interrupted: the map is being finished"));
-  std::ifstream file(map + "/summary.json");
-  EXPECT_EQ(nlohmann::json::parse(file)["finished"], true);
+  EXPECT_EQ(readJson(map + "/summary.json")["finished"], true);
   EXPECT_TRUE(holds(succeed("archive info " + archive), "run: finished"));
   EXPECT_TRUE(holds(succeed("archive verify " + archive), "ok"));
 }
@@ -95,8 +94,8 @@ TEST_F(LiveMap, ASecondInterruptIsIgnored)
 TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
 {
   const ToolResult result =
-      runShell("mkdir " + street + "; " + command("--verbose") + " >" + log +
-               " 2>&1 & " + waitFor("waiting for calib.txt") + "kill -INT $!; wait $!");
+      runShell("mkdir " + street + "; " + start(street) +
+               waitFor("waiting for calib.txt") + "kill -INT $!; wait $!");
   EXPECT_EQ(result.code, 130) << result.text;
   EXPECT_FALSE(fs::exists(map));
 }
@@ -104,50 +103,42 @@ TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
 TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
 {
   const std::string labels = folder.path("no_labels");
-  const ToolResult result = runShell(
-      "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " +
-      tinyStreet() + " --labels " + labels + " --verbose --output " + map + " >" + log +
-      " 2>&1 & " + waitFor("live: frame 2") +
-      "kill -INT $!; wait $!; code=$?; tail -n 1 " + log + "; exit $code");
+  const ToolResult result =
+      runShell("mkdir " + labels + "; " + start(tinyStreet(), labels) +
+               waitFor("live: frame 2") + "kill -INT $!; wait $!; code=$?; tail -n 1 " +
+               log + "; exit $code");
   EXPECT_EQ(result.code, 3) << result.text;
   EXPECT_TRUE(holds(result.text, "no_labels"));
-  std::ifstream file(map + "/summary.json");
-  EXPECT_EQ(nlohmann::json::parse(file)["finished"], false);
+  EXPECT_EQ(readJson(map + "/summary.json")["finished"], false);
   EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
   EXPECT_TRUE(fs::exists(map + "/map.pcd"));
 }
 
-TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
+TEST_F(LiveMap, RefusesWhatNeedsAllFramesAndIsNamedByOthers)
 {
-  const std::string live =
-      "live " + tinyStreet() + " --labels " + tinyStreet() + "/labels --output " + map;
-  expectFails("live --left 0 --right 2 --calibration c.yaml --labels l --output " +
-                  map + " --times times.txt",
-              2, "--times needs --every-frame");
-  expectFails(live + " --network-every 2", 2, "--network-every needs --every-frame");
-  expectFails(live + " --poses sequence", 2, "--poses sequence");
-  expectFails(live + " --every-frame", 2, "--every-frame needs videos");
-  expectFails("live --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "
-              "--output " +
-                  map,
-              2, "expected cameras, streams or videos");
-  expectFails("live " + street + " --labels " + tinyStreet() + "/labels --output " +
-                  map,
-              3, "street: is no folder");
+  const std::string output = " --output " + map, labels = tinyStreet() + "/labels",
+                    live = "live " + tinyStreet() + " --labels " + labels + output,
+                    videos = " --left " + folder.write("left.mp4", "") + " --right " +
+                             folder.write("right.mp4", "") + " --calibration " +
+                             tinyStreet() + "/calib.txt" + output;
+  for (const auto& [command, code, says] :
+       {std::tuple(
+            "live --left 0 --right 2 --calibration c.yaml --labels l --times t.txt" +
+                output,
+            2, "--times needs --every-frame"),
+        {live + " --network-every 2", 2, "--network-every needs --every-frame"},
+        {live + " --poses sequence", 2, "--poses sequence"},
+        {live + " --every-frame", 2, "--every-frame needs videos"},
+        {"live --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l" +
+             output,
+         2, "expected cameras, streams or videos"},
+        {"live " + street + " --labels " + labels + output, 3, "street: is no folder"},
+        {"map --labels l" + videos, 2, "pcl_semantic_live --every-frame"},
+        {"odometry" + videos, 2, "pcl_semantic_live --every-frame"},
+        {"map " + tinyStreet() + " --labels l --live" + output, 2,
+         "the program pcl_semantic_live"}})
+    expectFails(command, code, says);
   EXPECT_FALSE(fs::exists(map));
-}
-
-TEST_F(LiveMap, OthersNameItsProgram)
-{
-  const std::string left = folder.write("left.mp4", ""),
-                    right = folder.write("right.mp4", "");
-  const std::string videos = " --left " + left + " --right " + right +
-                             " --calibration " + tinyStreet() + "/calib.txt --output " +
-                             map;
-  expectFails("map --labels l" + videos, 2, "pcl_semantic_live --every-frame");
-  expectFails("odometry" + videos, 2, "pcl_semantic_live --every-frame");
-  expectFails("map " + tinyStreet() + " --labels l --live --output " + map, 2,
-              "the program pcl_semantic_live");
 }
 
 } // namespace pcl_semantic

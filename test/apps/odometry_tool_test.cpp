@@ -44,17 +44,22 @@ TEST(OdometryTool, SaysWhatWasLost)
   EXPECT_EQ(readKittiTrajectory(folder.path("out.txt")).size(), 3u);
 }
 
-TEST(OdometryTool, BlankImagesGiveNoTrajectory)
+TEST(OdometryTool, BlankImagesGiveNoTrajectoryAndNoMap)
 {
   const TemporaryFolder folder;
-  const std::string street = folder.path("street"), output = folder.path("out.txt");
+  const std::string street = folder.path("street");
   copyStreet(street);
   blankImages(street);
-  const ToolResult result = runTool("odometry " + street + " " + output);
-  EXPECT_EQ(result.code, 3);
-  EXPECT_TRUE(holds(result.text, "warning: frame 0: both images are blank"));
-  EXPECT_TRUE(holds(result.text, street + ": no frame could be tracked\n"));
-  EXPECT_FALSE(fs::exists(output));
+  for (const auto& [command, product] :
+       {std::pair("odometry " + street + " ", "out.txt"),
+        {mapOf(street) + " --poses odometry --crf none --output ", "map"}}) {
+    const ToolResult result = runTool(command + folder.path(product));
+    EXPECT_EQ(result.code, 3);
+    EXPECT_TRUE(holds(result.text, "warning: frame 0: both images are blank"));
+    EXPECT_TRUE(holds(result.text, "street: no frame could be tracked\n"));
+  }
+  EXPECT_FALSE(fs::exists(folder.path("out.txt")));
+  EXPECT_FALSE(fs::exists(folder.path("map/map.pcd")));
 }
 
 TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
@@ -65,8 +70,7 @@ TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
   const Trajectory truth = readKittiTrajectory(street + "/poses.txt");
   fs::remove(street + "/poses.txt");
   succeed(mapOf(street) + " --crf none --output " + out);
-  EXPECT_NE(bytesOf(out + "/summary.json").find("\"poses\": \"odometry\""),
-            std::string::npos);
+  EXPECT_TRUE(holds(bytesOf(out + "/summary.json"), "\"poses\": \"odometry\""));
   const Trajectory driven = readKittiTrajectory(out + "/trajectory.txt");
   ASSERT_EQ(driven.size(), 3u);
   EXPECT_LT((driven[2].translation() - truth[2].translation()).norm(), 0.1);
@@ -84,41 +88,32 @@ TEST(MapTool, TakesTumTrajectories)
   expectFails(command, 3, "the time of frame 2");
 }
 
-// Faults of the poses are reported before any output.
+// Faults of the poses are reported before any output; of a file's own its reader's
+// tests have more.
 TEST(BadInput, Trajectories)
 {
   const std::string rest = "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n";
-  const std::vector<std::pair<std::string, std::string>> cases = {
-      {"", "a.txt: holds no pose"},
-      {"# only\n", "a.txt: holds no pose"},
-      {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
-      {"1 0 0 0 0 1 0 0 0 0 1\n" + rest, "a.txt line 1: has 11 numbers, expected 12"},
-      {rest + "1 0 0 0 0 1 0 0 0 0 1\n", "a.txt line 3: has 11 numbers, expected 12"},
-      {rest + "\n" + rest, "a.txt line 3: is empty, but a later line has a pose"},
-      {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
-      {"1.1 0 0 0 0 1 0 0 0 0 1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
-      {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
-      {"0 0 0 0 0 0 0 0 0 0 0 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
-      {"0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n",
-       "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1; its times are "
-       "from 0 to 0.2 s; 1 of 3 frames lack one"},
-      {"1403636579763555584 0 0 0 0 0 0 1\n",
-       "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
-      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: time is not later than"},
-      {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: time is not later than"},
-      {"0 0 0 0 0 0 0 0\n", "a.txt line 1: the quaternion has length 0"},
-      {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"},
-      {"0 0 0 nan 0 0 0 1\n", "a.txt line 1: 'nan'"},
-  };
   const TemporaryFolder folder;
   const std::string out = folder.path("out"), archive = folder.path("a.db");
-  for (const auto& [text, says] : cases) {
+  for (const auto& [text, says] : std::vector<std::pair<std::string, const char*>>{
+           {"", "a.txt: holds no pose"},
+           {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
+           {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
+           {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n", "a.txt line 1: the left 3 x 3 block"},
+           {"0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n",
+            "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1; its times "
+            "are from 0 to 0.2 s; 1 of 3 frames lack one"},
+           {"1403636579763555584 0 0 0 0 0 0 1\n",
+            "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
+           {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
+            "a.txt line 2: time is not later than"},
+           {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"}}) {
     SCOPED_TRACE(text);
-    const ToolResult result =
-        runTool(mapOf(tinyStreet()) + " --poses " + folder.write("a.txt", text) +
-                " --output " + out + " --archive " + archive);
+    const std::string path = folder.write("a.txt", text);
+    const ToolResult result = runTool(mapOf(tinyStreet()) + " --poses " + path +
+                                      " --output " + out + " --archive " + archive);
     EXPECT_EQ(result.code, 3);
-    EXPECT_EQ(result.text.rfind("pcl_semantic_map: " + folder.path("a.txt"), 0), 0u);
+    EXPECT_EQ(result.text.rfind("pcl_semantic_map: " + path, 0), 0u);
     EXPECT_TRUE(holds(result.text, says));
     EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
     EXPECT_FALSE(fs::exists(out));
@@ -150,22 +145,22 @@ TEST(BadUsage, OdometryTool)
 {
   const std::string poses = " STREET/poses.txt ";
   expectAllFail({
-      {"no sequence", 2, "expected a SEQUENCE, or --left", "odometry"},
-      {"no output", 2, "OUT.txt is missing", "odometry STREET"},
-      {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
-      {"features", 2, "features is 1", "odometry STREET OUT --features 1"},
-      {"window", 2, "window is 0", "odometry STREET OUT --window 0"},
-      {"threads", 2, "threads is -1", "odometry STREET OUT --threads -1"},
-      {"its own poses", 2, "poses.txt", "odometry STREET" + poses},
-      {"rows are frames", 2, "use --format tum", "odometry STREET OUT --frames 1:3"},
-      {"no frames", 3, "has no frame in 7:9", "odometry STREET OUT --frames 7:9"},
-      {"no folder", 3, "none: is no folder", "odometry STREET/none OUT"},
-      {"blank", 3, "frame 0: both images are blank", "odometry STREET OUT --strict",
+      {2, "expected a SEQUENCE, or --left", "odometry"},
+      {2, "OUT.txt is missing", "odometry STREET"},
+      {2, "--format is 'csv'", "odometry STREET OUT --format csv"},
+      {2, "features is 1", "odometry STREET OUT --features 1"},
+      {2, "window is 0", "odometry STREET OUT --window 0"},
+      {2, "threads is -1", "odometry STREET OUT --threads -1"},
+      {2, "poses.txt", "odometry STREET" + poses},
+      {2, "use --format tum", "odometry STREET OUT --frames 1:3"},
+      {3, "has no frame in 7:9", "odometry STREET OUT --frames 7:9"},
+      {3, "none: is no folder", "odometry STREET/none OUT"},
+      {3, "frame 0: both images are blank", "odometry STREET OUT --strict",
        blankImages},
-      {"below a file", 5, "calib.txt", "odometry STREET STREET/calib.txt/x"},
-      {"odometry and archive", 2, "--archive needs poses from a file",
+      {5, "calib.txt", "odometry STREET STREET/calib.txt/x"},
+      {2, "--archive needs poses from a file",
        "--labels STREET/labels --poses odometry --archive TEMP/a.db"},
-      {"no poses and archive", 2, "--archive needs poses from a file",
+      {2, "--archive needs poses from a file",
        "--labels STREET/labels --archive TEMP/a.db",
        [](const std::string& street) { fs::remove(street + "/poses.txt"); }},
   });

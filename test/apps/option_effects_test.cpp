@@ -52,8 +52,6 @@ const std::string street_map =
 const std::string own_camera =
     "--left 'IN/own/left/*.png' --right 'IN/own/right/*.png' "
     "--calibration IN/own/stereo.yaml";
-const std::string label_set =
-    " --label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
 
 const std::vector<Mode> modes = {
     {"SEQUENCE", street_map},
@@ -91,8 +89,9 @@ const std::vector<Mode> modes = {
     {"export", "archive export IN/one.map OUT/map.pcd"},
     {"merge", "archive merge IN/one.map IN/two.map OUT/both.map"},
     {"changes", "archive changes IN/one.map IN/two.map OUT/changes.pcd"},
+    // One feature: it learns faster.
     {"calibrate", "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-                  "'{sequence}/gt' --output OUT/calibrated"},
+                  "'{sequence}/gt' --output OUT/calibrated --features height"},
     {"--clique-config",
      "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
      "'{sequence}/gt' --output OUT/calibrated --clique-config IN/cliques.yaml",
@@ -102,13 +101,13 @@ const std::vector<Mode> modes = {
     {"superpixel", "cliques IN/map.pcd OUT/out.pcd --method superpixel --frame "
                    "IN/clouds/000000.pcd --pose IN/one/trajectory.txt:0"},
     {"slic", "cliques IN/clouds/000000.pcd OUT/out.pcd --method slic"},
-    {"cloud", "cloud IN/map.pcd OUT/out.pcd" + label_set + " --drop car"},
+    {"cloud", "cloud IN/map.pcd OUT/out.pcd" + of_kitti11 + "--drop car"},
     {"--crf dense", "crf IN/map.pcd OUT/out.pcd"},
     {"--crf unary", "crf IN/map.pcd OUT/out.pcd --crf unary"},
     {"--crf pn-potts", "crf IN/map.pcd OUT/out.pcd --crf pn-potts --cliques cubes:1"},
     {"--crf hierarchical",
      "crf IN/map.pcd OUT/out.pcd --crf hierarchical --cliques cubes:1"},
-    {"evaluate", "evaluate --prediction IN/one/labels --truth IN/gt" + label_set},
+    {"evaluate", "evaluate --prediction IN/one/labels --truth IN/gt" + of_kitti11},
     {".bt", "export IN/one.map OUT/map.bt"},
     {".ply", "export IN/one.map OUT/map.ply"},
     {".pgm", "export IN/one.map OUT/map.pgm"},
@@ -330,20 +329,13 @@ const std::set<std::string> positional = {"sequence", "sequences",    "input", "
                                           "command",  "files",        "map",   "plan",
                                           "image",    "distributions"};
 
-std::vector<std::string>
-wordsOf(const std::string& command)
-{
-  std::istringstream stream(command);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
 // A command with other values of options, and other words that are no options.
 std::string
 changed(const std::string& command, const std::string& with)
 {
-  std::vector<std::string> words = wordsOf(command);
+  std::vector<std::string> words = shellWords(command);
   std::size_t place = 1; // of the next word that is no option
-  const std::vector<std::string> changes = wordsOf(with);
+  const std::vector<std::string> changes = shellWords(with);
   for (std::size_t i = 0; i < changes.size(); ++i) {
     if (changes[i].rfind("--", 0) == 0) {
       auto at = std::find(words.begin(), words.end(), changes[i]);
@@ -431,21 +423,12 @@ makeInputs(const std::string& in)
   for (const auto& [name, side] :
        {std::pair("left", "left"), {"right", "right"}, {"twin", "left"}})
     writeVideo(in + "/" + name + ".avi", in + "/own/" + side + "/shot9.png");
-  copyStreet(in + "/halved"); // the calibration of images of half the size
-  for (std::size_t row = 1; row <= 4; ++row)
-    for (const int word : {2, 4, 7, 8}) {
-      const std::string calibration = in + "/halved/calib.txt";
-      std::istringstream words(linesOf(calibration)[row - 1]);
-      std::string number;
-      for (int i = 0; i < word; ++i)
-        words >> number;
-      setWord(calibration, row, word, std::to_string(0.5 * std::stod(number)));
-    }
+  copyStreet(in + "/halved");
+  halveCamera(in + "/halved/calib.txt");
   const auto write = [&](const std::string& name, const std::string& text) {
     std::ofstream(in + "/" + name, std::ios::binary) << text;
   };
-  const std::string set =
-      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  const std::string set = bytesOf(kitti11);
   write("other_set.yaml", replaceAll(set, "[128, 64, 128]", "[1, 64, 128]"));
   write("mapping.yaml", mapping);
   write("config.yaml", "crf_temperature: 9\nsmoothness_weight: 60\n");
@@ -463,12 +446,7 @@ makeInputs(const std::string& in)
     network.bias = {bias, -0.2f, 0.3f, -5.0f};
     write("street/" + std::string(name) + ".onnx", network.file());
     write("street/" + std::string(name) + ".yaml",
-          "model: " + std::string(name) +
-              ".onnx\nlabel_set: " PCL_SEMANTIC_SOURCE_DIR
-              "/data/label_sets/kitti11.yaml\n"
-              "input: {name: image, width: 8, height: 6}\n"
-              "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
-              "deviation: [0.2, 0.2, 0.2]\nchannels: [road, pole, building, '-']\n");
+          smallNetworkYaml(std::string(name) + ".onnx", "road, pole, building, '-'"));
   }
   fs::copy(street + "/gt", in + "/gt");
   fs::remove(in + "/gt/000002.png");
@@ -497,15 +475,14 @@ makeInputs(const std::string& in)
   for (const char* const name : {"000000.pcd", "000001.pcd", "000002.pcd"})
     dropProbabilities(in + "/clouds/" + name, in + "/labelled/" + name);
   dropProbabilities(in + "/map.pcd", in + "/labels.pcd");
-  for (const char* const name : {"label", "clique"}) {
-    const std::string cliques =
-        name == std::string("clique") ? " --clique-config IN/cliques.yaml" : "";
+  for (const auto& [options, name] :
+       {std::pair("--features height", "/calibration.yaml"),
+        {"--features extent --clique-config IN/cliques.yaml",
+         "/clique_calibration.yaml"}}) {
     run(in, "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-            "'{sequence}/gt' --output IN/calibrated" +
-                cliques);
-    fs::rename(
-        in + "/calibrated/calibration.yaml",
-        in + (cliques.empty() ? "/calibration.yaml" : "/clique_calibration.yaml"));
+            "'{sequence}/gt' --output IN/calibrated " +
+                std::string(options));
+    fs::rename(in + "/calibrated/calibration.yaml", in + name);
   }
 }
 
@@ -520,16 +497,6 @@ inputs()
   return path;
 }
 
-std::vector<std::string>
-linesIn(const std::string& text)
-{
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);)
-    lines.push_back(line);
-  return lines;
-}
-
 struct Option {
   std::string name;
   bool takes_value = false;
@@ -539,7 +506,8 @@ std::vector<Option>
 optionsOf(const std::string& program)
 {
   std::vector<Option> options;
-  for (const std::string& line : linesIn(succeed(program + " --help-all"))) {
+  std::istringstream lines(succeed(program + " --help-all"));
+  for (std::string line; std::getline(lines, line);) {
     static const std::regex pattern("^  (-. \\[ )?--([a-z0-9-]+)( \\])?( [^ ]+)?.*");
     std::smatch match;
     if (std::regex_match(line, match, pattern))

@@ -36,6 +36,13 @@ rowOf(const LabelledCloud& cloud, std::size_t i)
   return row.str();
 }
 
+std::string
+mapIn(const TemporaryFolder& folder)
+{
+  mapStreet(tinyStreet(), folder.path("map"), "--frames 0:1 --crf none");
+  return folder.path("map/map_classes.pcd");
+}
+
 } // namespace
 
 TEST(OtherReaders, Open3dReadsTheMap)
@@ -44,11 +51,9 @@ TEST(OtherReaders, Open3dReadsTheMap)
   if (runShell(python + " -c 'import open3d' 2>&1").code != 0)
     GTEST_SKIP() << "python3-open3d is not installed";
   const TemporaryFolder folder;
-  mapStreet(tinyStreet(), folder.path("map"), "--frames 0:1 --crf none");
-  folder.write("read.py", script);
-  const std::string path = folder.path("map/map_classes.pcd");
-  const ToolResult read =
-      runShell(python + " " + folder.path("read.py") + " " + path + " 2>/dev/null");
+  const std::string path = mapIn(folder);
+  const ToolResult read = runShell(python + " " + folder.write("read.py", script) +
+                                   " " + path + " 2>/dev/null");
   ASSERT_EQ(read.code, 0) << read.text;
   const LabelledCloud cloud = readLabelledCloud(path);
   const std::size_t size = cloud.cloud->size();
@@ -61,8 +66,7 @@ TEST(OtherReaders, PclViewerLoadsTheMap)
   if (runShell("command -v pcl_viewer").code != 0 || !hasVirtualDisplay())
     GTEST_SKIP() << "pcl-tools or xvfb are not installed";
   const TemporaryFolder folder;
-  mapStreet(tinyStreet(), folder.path("map"), "--frames 0:1 --crf none");
-  const std::string path = folder.path("map/map_classes.pcd");
+  const std::string path = mapIn(folder);
   // It stays open until it is ended.
   const ToolResult shown = runOnDisplay("stdbuf -oL pcl_viewer " + path,
                                         "HOME=" + folder.path() + " timeout 15");

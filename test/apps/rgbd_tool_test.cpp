@@ -24,17 +24,27 @@ const std::string run =
     "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses STREET/world.txt "
     "--output OUT --labels STREET/labels ";
 
+// Maps an RGB-D sequence with options; the files of both are in the folder.
+void
+mapRgbd(const TemporaryFolder& folder, const std::string& options,
+        const std::string& without = "")
+{
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  makeRgbd(street);
+  if (!without.empty())
+    fs::remove(street + without);
+  succeed(replaceAll(replaceAll(run + options, "STREET", street), "OUT",
+                     folder.path("out")));
+}
+
 } // namespace
 
 TEST(RgbdMap, IsLabelledAsTheImagesAre)
 {
   const TemporaryFolder folder;
   const std::string street = folder.path("street"), out = folder.path("out");
-  copyStreet(street);
-  makeRgbd(street);
-  succeed(replaceAll(
-      replaceAll(run + "--crf hierarchical --cliques superpixel", "STREET", street),
-      "OUT", out));
+  mapRgbd(folder, "--crf hierarchical --cliques superpixel");
   const cv::Mat truth = readPng(street + "/gt/000002.png", ImageKind::labels);
   const cv::Mat labels = readPng(out + "/labels/000002.png", ImageKind::labels);
   ASSERT_EQ(labels.size(), truth.size());
@@ -47,13 +57,9 @@ TEST(RgbdMap, IsLabelledAsTheImagesAre)
 TEST(RgbdMap, LabelsEveryNthFrameAndGivesCentres)
 {
   const TemporaryFolder folder;
-  const std::string street = folder.path("street"), out = folder.path("out");
-  copyStreet(street);
-  makeRgbd(street);
-  fs::remove(street + "/labels/000001.bin"); // needs none
-  succeed(replaceAll(replaceAll(run + "--network-every 2 --centres --voxel-size 0.2",
-                                "STREET", street),
-                     "OUT", out));
+  const std::string out = folder.path("out");
+  mapRgbd(folder, "--network-every 2 --centres --voxel-size 0.2",
+          "/labels/000001.bin"); // needs none
   EXPECT_EQ(
       cv::countNonZero(readPng(out + "/network_labels/000001.png", ImageKind::labels)),
       0);
@@ -67,26 +73,25 @@ TEST(RgbdMap, LabelsEveryNthFrameAndGivesCentres)
 TEST(RgbdMap, BadInput)
 {
   expectAllFail(
-      {{"sequence", 2, "exclude each other", run + "STREET"},
-       {"clouds", 2, "--clouds has no effect with --rgbd", run + "--clouds STREET"},
-       {"no camera", 2, "--rgbd needs --calibration",
+      {{2, "exclude each other", run + "STREET"},
+       {2, "--clouds has no effect with --rgbd", run + "--clouds STREET"},
+       {2, "--rgbd needs --calibration",
         "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
         "STREET/labels"},
-       {"no poses", 2, "--rgbd needs a trajectory",
+       {2, "--rgbd needs a trajectory",
         "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --output OUT "
         "--labels STREET/labels"},
-       {"no labels", 2, "either --labels or --network",
+       {2, "either --labels or --network",
         "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
         "STREET/world.txt --output OUT"},
-       {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
-       {"also", 2, "--also has no effect with --rgbd", run + "--also depth"},
-       {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
-       {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
-       {"layout", 3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"),
+       {2, "--sensor is for --clouds", run + "--sensor own"},
+       {2, "--also has no effect with --rgbd", run + "--also depth"},
+       {2, "--depth-scale is less than 0", run + "--depth-scale -1"},
+       {3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
+       {3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"), makeRgbd},
+       {3, "times.txt: has no row 'P2:'", replaceAll(run, "camera.yaml", "times.txt"),
         makeRgbd},
-       {"intrinsics", 3, "times.txt: has no row 'P2:'",
-        replaceAll(run, "camera.yaml", "times.txt"), makeRgbd},
-       {"a pose is missing", 3, "world.txt", run, [](const std::string& street) {
+       {3, "world.txt", run, [](const std::string& street) {
           makeRgbd(street);
           writeKittiTrajectory(street + "/world.txt", {Eigen::Isometry3d::Identity()});
         }}});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/ascii_cloud.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/random_scene.h"
@@ -26,27 +27,19 @@ const std::string program = PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_";
 std::string
 mapInto(const std::string& output)
 {
-  return "map " + tinyStreet() + " --labels " + tinyStreet() + "/labels --output " +
-         output;
+  return mapOf(tinyStreet()) + " --output " + output;
 }
 
-// Runs a program of the build where there is no display.
-ToolResult
-runWithoutDisplay(const std::string& arguments)
-{
-  return runTool(arguments, "unset DISPLAY;");
-}
+constexpr const char* without_display = "unset DISPLAY;";
 
 // A floor of road, 30 x 30 voxels of 0.1 m, and on it a block of 8 x 8 x 4: a car.
 std::string
 floorAndBlock()
 {
   std::string rows;
-  int count = 0;
   const auto add = [&](int x, int y, int z, int label) {
     rows += cv::format("%.2f %.2f %.2f %d\n", 0.1 * x + 0.05, 0.1 * y + 0.05,
                        0.1 * z + 0.05, label);
-    ++count;
   };
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x) {
@@ -54,18 +47,14 @@ floorAndBlock()
       for (int z = 1; x >= 11 && x < 19 && y >= 11 && y < 19 && z < 5; ++z)
         add(x, y, z, 6);
     }
-  return "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
-         "WIDTH " +
-         std::to_string(count) + "\nHEIGHT 1\nPOINTS " + std::to_string(count) +
-         "\nDATA ascii\n" + rows;
+  return asciiCloud("x y z label", rows);
 }
 
 // As in the pictures of pcl_semantic_render.
 cv::Vec3b
 colourOf(const std::string& name)
 {
-  static const LabelSet label_set =
-      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  static const LabelSet label_set = readLabelSet(kitti11);
   VoxelScene scene = emptyScene();
   addVoxel(scene, {0, 0, 0}, label_set.find(name));
   return classColours(scene, label_set).colours.at(0);
@@ -95,9 +84,8 @@ public:
   operator()(const std::string& arguments) const
   {
     const std::string picture = path("picture.png");
-    const ToolResult result = runWithoutDisplay(commandFor(arguments, picture));
-    EXPECT_EQ(result.code, 0) << result.text;
-    EXPECT_EQ(result.text, "picture: " + picture + "\n");
+    EXPECT_EQ(succeed(commandFor(arguments, picture), without_display),
+              "picture: " + picture + "\n");
     return read(picture);
   }
 
@@ -164,16 +152,6 @@ mapWithViewer(const TemporaryFolder& folder, const std::string& script)
          " --view 2>&1";
 }
 
-void
-expectSameMaps(const std::string& a, const std::string& b)
-{
-  EXPECT_EQ(filesIn(a), filesIn(b));
-  for (const std::string& file : filesIn(a))
-    if (file != "summary.json") { // has times
-      EXPECT_TRUE(bytesOf(a + "/" + file) == bytesOf(b + "/" + file)) << file;
-    }
-}
-
 } // namespace
 
 TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
@@ -226,21 +204,21 @@ TEST_F(ViewTool, HasALegendInTheColoursOfTheClasses)
 {
   const Views view;
   const std::string nothing = "MAPS/block.pcd --below -1 ";
-  const cv::Mat with = view(nothing), without = view(nothing + "--keys l");
+  const cv::Mat with = view(nothing); // by its own display
+  const std::vector<cv::Mat> others =
+      view({nothing + "--keys l", nothing + "--hide car"});
   for (const char* const name : {"road", "car"}) {
     EXPECT_EQ(count(with, colourOf(name)), 13 * 13) << name;
-    EXPECT_EQ(count(without, colourOf(name)), 0) << name;
+    EXPECT_EQ(count(others[0], colourOf(name)), 0) << name;
   }
-  EXPECT_LT(count(view(nothing + "--hide car"), colourOf("car")), 13 * 13 / 2);
+  EXPECT_LT(count(others[1], colourOf("car")), 13 * 13 / 2);
 }
 
 TEST_F(ViewTool, ShowsMapsInAllTheirColours)
 {
   const Views view;
   mapStreet(tinyStreet(), view.path("map"), "");
-  const ToolResult kept =
-      runTool(mapInto(view.path("kept")) + " --archive " + view.path("map.archive"));
-  EXPECT_EQ(kept.code, 0) << kept.text;
+  succeed(mapInto(view.path("kept")) + " --archive " + view.path("map.archive"));
   const std::string map = "MAPS/map --keys l";
   const std::vector<cv::Mat> pictures =
       view({map + " --colour class", map + " --colour rgb", map + " --colour entropy",
@@ -318,29 +296,23 @@ TEST(LiveView, AWindowThatDoesNotOpenIsSaidAtOnce)
                       " cannot be started; is pcl_semantic_view installed?");
 }
 
-TEST(LiveView, NeedsADisplay)
-{
-  const TemporaryFolder folder;
-  const ToolResult result = runWithoutDisplay(mapInto(folder.path("map")) + " --view");
-  EXPECT_EQ(result.code, 2);
-  EXPECT_TRUE(holds(result.text, "there is no display")) << result.text;
-  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
-}
-
 TEST(BadUsage, ViewToolWithoutADisplay)
 {
   const TemporaryFolder folder;
-  const std::string map = folder.write("block.pcd", floorAndBlock());
-  const auto expectLine = [&](const ToolResult& result, const std::string& says) {
+  const std::string view = "view " + folder.write("block.pcd", floorAndBlock()),
+                    none = "there is no display";
+  for (const auto& [command, before, says] :
+       {std::tuple(view, std::string(without_display), none),
+        {view, "DISPLAY=:9999", none},
+        {view + " --screenshot " + folder.path("a.png"),
+         without_display + ("PATH=" + folder.path() + ";"),
+         "xvfb-run, which is missing: packages xvfb and xauth"},
+        {mapInto(folder.path("map")) + " --view", without_display, none}}) {
+    const ToolResult result = runTool(command, before);
     EXPECT_EQ(result.code, 2);
     EXPECT_TRUE(holds(result.text, says)) << result.text;
     EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
-  };
-  expectLine(runWithoutDisplay("view " + map), "there is no display");
-  expectLine(runTool("view " + map, "DISPLAY=:9999"), "there is no display");
-  expectLine(runTool("view " + map + " --screenshot " + folder.path("a.png"),
-                     "unset DISPLAY; PATH=" + folder.path() + ";"),
-             "xvfb-run, which is missing: packages xvfb and xauth");
+  }
 }
 
 TEST(BadUsage, ViewTool)
@@ -349,42 +321,32 @@ TEST(BadUsage, ViewTool)
   const auto cloud = [](const std::string& street) {
     std::ofstream(street + "/a.pcd") << floorAndBlock();
   };
-  const std::vector<BadCase> without_display = {
-      {"nothing", 2, "MAP is missing", "view"},
-      {"follow", 2, "--follow needs a window", draw + " --follow"},
-      {"no png", 2, "ends in .png", "view STREET/a.pcd --screenshot OUT.jpg"},
-      {"colour", 2, "--colour is 'red', expected class", draw + " --colour red"},
-      {"floor", 2, "--above was removed: --below", draw + " --above 1"},
-      {"small", 2, "--small was removed", draw + " --small"},
-      {"view", 2, "--view is 'below', expected angle", draw + " --view below"},
-      {"a word", 2, "--below", draw + " --below high"},
-      {"threads", 2, "threads is -1", draw + " --threads -1"},
-  };
-  for (const BadCase& bad : without_display)
-    expectFails(bad);
+  expectAllFail({
+      {2, "MAP is missing", "view"},
+      {2, "--follow needs a window", draw + " --follow"},
+      {2, "ends in .png", "view STREET/a.pcd --screenshot OUT.jpg"},
+      {2, "--colour is 'red', expected class", draw + " --colour red"},
+      {2, "--above was removed: --below", draw + " --above 1"},
+      {2, "--small was removed", draw + " --small"},
+      {2, "--view is 'below', expected angle", draw + " --view below"},
+      {2, "--below", draw + " --below high"},
+      {2, "threads is -1", draw + " --threads -1"},
+  });
   if (!hasVirtualDisplay())
     return;
-  const std::vector<BadCase> with_display = {
-      {"no map", 3, "none.pcd: cannot be read",
-       "view STREET/none.pcd --screenshot OUT.png"},
-      {"no such colour", 2, "has no colours for --colour entropy, expected class",
+  expectAllFail({
+      {3, "none.pcd: cannot be read", "view STREET/none.pcd --screenshot OUT.png"},
+      {2, "has no colours for --colour entropy, expected class",
        draw + " --colour entropy", cloud},
-      {"no labels", 3, "a.pcd: has neither labels nor colours",
-       draw + " --voxel-size 1",
+      {3, "a.pcd: has neither labels nor colours", draw + " --voxel-size 1",
        [](const std::string& street) {
-         std::ofstream(street + "/a.pcd")
-             << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-                "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+         std::ofstream(street + "/a.pcd") << asciiCloud("x y z", "1 2 3\n");
        }},
-      {"no class", 2, "--hide: no class is called 'cat'", draw + " --hide cat", cloud},
-      {"no poses", 2, "--images needs the poses of the camera",
-       draw + " --images STREET", cloud},
-      {"no pose", 2, "none for --frame 0", draw + " --view camera", cloud},
-      {"below a file", 5, "calib.txt",
-       "view STREET/a.pcd --screenshot STREET/calib.txt/b.png", cloud},
-  };
-  for (const BadCase& bad : with_display)
-    expectFails(bad);
+      {2, "--hide: no class is called 'cat'", draw + " --hide cat", cloud},
+      {2, "--images needs the poses of the camera", draw + " --images STREET", cloud},
+      {2, "none for --frame 0", draw + " --view camera", cloud},
+      {5, "calib.txt", "view STREET/a.pcd --screenshot STREET/calib.txt/b.png", cloud},
+  });
 }
 
 } // namespace pcl_semantic

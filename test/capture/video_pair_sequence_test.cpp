@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/refusal.h"
 #include "support/stereo_rigs.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/capture/live_capture.h>
 #include <pcl_semantic/capture/video_pair_sequence.h>
-#include <pcl_semantic/core/exceptions.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -51,7 +50,7 @@ protected:
   void
   expectRefused(const std::string& says) const
   {
-    expectRefusal<BadInputException>(says, [&] { VideoPairSequence{files}; });
+    expectBadInput(says, [&] { VideoPairSequence{files}; });
   }
 
   // All pairs, as cameras would take them.
@@ -113,7 +112,7 @@ TEST_F(VideoPairs, ACutOffVideoNamesTheFrame)
   const VideoPairSequence whole(files);
   std::filesystem::resize_file(files.left,
                                std::filesystem::file_size(files.left) * 6 / 10);
-  expectRefusal<BadInputException>("left.avi", [&] {
+  expectBadInput("left.avi", [&] {
     const VideoPairSequence videos(files);
     for (std::size_t i = 0; i < videos.size(); ++i)
       videos.frame(i);
@@ -148,7 +147,7 @@ TEST_F(VideoPairs, OneImageMayHoldBothSides)
 TEST_F(VideoPairs, WhatCannotBeOpenedIsNamed)
 {
   files.left = folder.path("none.avi");
-  expectRefusal<BadInputException>("none.avi: cannot be opened", [&] { play(); });
+  expectBadInput("none.avi: cannot be opened", [&] { play(); });
   for (const char* const name : {"0", "12", "/dev/video3", "rtsp://camera/left"})
     EXPECT_TRUE(isCapture(name)) << name;
   for (const char* const name : {"", "left", "a.mp4", "1234", "left/*.png"})

@@ -128,8 +128,7 @@ TEST(CubeCliques, RefusesAPointBeyondTheIndices)
 {
   Cloud cloud = randomCloud(10, Eigen::Vector3f::Zero(), 3.0f);
   cloud[6].y = -1e30f;
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { cubesOf(cloud, 1.0); }),
-                    "point 6 "));
+  expectBadInput("point 6 ", [&] { cubesOf(cloud, 1.0); });
   cloud[6].y = 3.0f;
   EXPECT_EQ(cubesOf(cloud, 1e-8), plainCubes(cloud, 1e-8));
   thrownMessage<BadInputException>([&] { cubesOf(cloud, 1e-10); });
@@ -139,9 +138,7 @@ TEST(CubeCliques, RefusesABadEdge)
 {
   for (const double edge : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                             std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_TRUE(holds(
-        thrownMessage<InvalidParameterException>([&] { CubeCliques cubes(edge); }),
-        "edge"));
+    expectBadParameter("edge", [&] { CubeCliques cubes(edge); });
 }
 
 // As PCL's segmentations are used.
@@ -151,9 +148,7 @@ TEST(CubeCliques, OfAnInputCloudAndIndices)
   cloud->header.frame_id = "lidar";
   CubeCliques cubes(1.0);
   std::vector<pcl::PointIndices> cliques;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { cubes.extract(cliques); }),
-            "no input cloud"));
+  expectBadParameter("no input cloud", [&] { cubes.extract(cliques); });
   cubes.setInputCloud(cloud);
   cubes.extract(cliques);
   EXPECT_EQ(listsOf(cliques), listsOf(CubeCliques(1.0).generate(*cloud)));
@@ -174,7 +169,6 @@ TEST(CubeCliques, OfAnInputCloudAndIndices)
   }
   EXPECT_EQ(listsOf(cliques), expected);
   odd->push_back(500);
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { cubes.extract(cliques); }),
-            "index 500 is beyond the 500 points"));
+  expectBadParameter("index 500 is beyond the 500 points",
+                     [&] { cubes.extract(cliques); });
 }

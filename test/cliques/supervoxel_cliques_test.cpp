@@ -296,8 +296,7 @@ TEST(SupervoxelCliques, RefuseWhatCannotBe)
 {
   Cloud cloud = roomAt({0.0, 0.0, 0.0});
   cloud[6].y = -1e30f;
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { cliquesOf(cloud); }), "point 6 "));
+  expectBadInput("point 6 ", [&] { cliquesOf(cloud); });
   const auto complaint = [](auto change) {
     SupervoxelParameters parameters;
     change(parameters);

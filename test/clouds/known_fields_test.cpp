@@ -5,7 +5,6 @@
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <sstream>
@@ -175,9 +174,9 @@ TEST(KnownFields, NamesFloatsThatLostTheClass)
     for (const std::string& path :
          {folder.write("a.pcd", pcdOf({{"label", "float"}}, "1", "19660801")),
           folder.write("a.ply", plyOf({{"label", "float"}}, "1", "19660801"))})
-      EXPECT_TRUE(holds(
-          thrownMessage<BadInputException>([&] { readLabelledCloud(path, each); }),
-          path + ": field 'label': point 1 has 19660800, where single precision"));
+      expectBadInput(
+          path + ": field 'label': point 1 has 19660800, where single precision",
+          [&] { readLabelledCloud(path, each); });
     const LabelledCloud without = readLabelledCloud(
         folder.write("b.pcd", pcdOf({{"scalar_Label", "float"}}, "1", "19660801")),
         each);

@@ -44,8 +44,8 @@ logOf(const float* distribution, int classes)
 TEST(LabelDistributions, HasOneTo255Classes)
 {
   for (const int classes : {-1, 0, 256})
-    EXPECT_TRUE(throws<InvalidParameterException>(
-        std::to_string(classes), [&] { LabelDistributions(classes, 1); }));
+    expectBadParameter(std::to_string(classes),
+                       [&] { LabelDistributions(classes, 1); });
   EXPECT_EQ(LabelDistributions(255, 2).classes(), 255);
   thrownMessage<InvalidParameterException>(
       [] { LabelDistributions(LabelDistributions::Matrix::Ones(256, 1)); });
@@ -108,8 +108,7 @@ TEST(LabelDistributions, SetLabelSpreadsTheRestEvenly)
   EXPECT_EQ(distributions.mapLabel(1), 2);
   distributions.setLabel(1, kUnlabelled, 0.8f);
   EXPECT_TRUE(distributions.matrix().isZero());
-  EXPECT_TRUE(
-      throws<BadInputException>("6", [&] { distributions.setLabel(0, 6, 0.8f); }));
+  expectBadInput("6", [&] { distributions.setLabel(0, 6, 0.8f); });
   for (const float confidence : {-0.1f, 1.1f, not_a_number})
     thrownMessage<InvalidParameterException>(
         [&] { distributions.setLabel(0, 1, confidence); });

@@ -58,16 +58,14 @@ TEST(LabelSet, HasOneTo255Classes)
   EXPECT_EQ(largest.size(), 255);
   EXPECT_EQ(largest[255].name, "class255");
   EXPECT_EQ(largest.find("class255"), 255);
-  EXPECT_TRUE(
-      throws<InvalidParameterException>("256", [] { LabelSet(classesNamed(256)); }));
+  expectBadParameter("256", [] { LabelSet(classesNamed(256)); });
 }
 
 TEST(LabelSet, RefusesEmptyAndRepeatedNames)
 {
   auto classes = classesNamed(3);
   classes[2].name = "class1";
-  EXPECT_TRUE(
-      throws<InvalidParameterException>("class1", [&] { LabelSet set(classes); }));
+  expectBadParameter("class1", [&] { LabelSet set(classes); });
   for (const std::string& name :
        {std::string(), std::string("a\nb"), std::string("a\0b", 3),
         std::string("\x1b[2J"), std::string(101, 'a')}) {
@@ -93,8 +91,7 @@ TEST(LabelMapping, MapsWhatIsSetAndNothingElse)
   EXPECT_EQ(mapping(260), kUnlabelled);
   mapping.set(40, 5);
   EXPECT_EQ(mapping(40), 5);
-  EXPECT_TRUE(
-      throws<InvalidParameterException>("65536", [&] { mapping.set(65536, 1); }));
+  expectBadParameter("65536", [&] { mapping.set(65536, 1); });
 }
 
 TEST(LabelMapping, TakesInstancesOffAndCountsWhatItLacks)

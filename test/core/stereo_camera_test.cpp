@@ -52,10 +52,10 @@ TEST(StereoCamera, ValidateNamesWhatIsWrong)
   EXPECT_NO_THROW(some_camera.validate());
   StereoCamera camera = some_camera;
   camera.baseline = -0.54;
-  EXPECT_TRUE(throws<InvalidParameterException>("-0.54", [&] { camera.validate(); }));
+  expectBadParameter("-0.54", [&] { camera.validate(); });
   camera = some_camera;
   camera.fy = 0.0;
-  EXPECT_TRUE(throws<InvalidParameterException>("focal", [&] { camera.validate(); }));
+  expectBadParameter("focal", [&] { camera.validate(); });
   for (double StereoCamera::*const member :
        {&StereoCamera::fx, &StereoCamera::fy, &StereoCamera::cx, &StereoCamera::cy,
         &StereoCamera::baseline})

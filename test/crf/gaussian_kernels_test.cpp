@@ -44,10 +44,9 @@ TEST(GaussianKernels, TakesLatticesForPointsTooFarApartForRows)
   EXPECT_EQ(GaussianKernels(positions, {0.2f}).method(0), KernelMethod::lattice);
   GaussianKernelOptions options;
   options.method = KernelMethod::truncated;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>(
-                [&] { GaussianKernels kernels(positions, {0.2f}, options); }),
-            "apart, expected at most 104858 for truncated kernels: take lattices"));
+  expectBadParameter(
+      "apart, expected at most 104858 for truncated kernels: take lattices",
+      [&] { GaussianKernels kernels(positions, {0.2f}, options); });
 }
 
 TEST(GaussianKernels, AMethodCanBeAskedFor)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf/lattice_kernel.h"
-#include "support/feature_clouds.h"
 #include "support/plain_lattice.h"
 #include "support/supported_tiers.h"
 
@@ -10,9 +9,64 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 #include <thread>
 
 namespace {
+
+// Normally distributed features (d x N).
+Eigen::MatrixXf
+makeNormalCloud(Eigen::Index dimensions, Eigen::Index count, float deviation,
+                unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::normal_distribution<float> value(0.0f, deviation);
+  return Eigen::MatrixXf::NullaryExpr(dimensions, count, [&] { return value(random); });
+}
+
+// Points in a few distant clusters.
+Eigen::MatrixXf
+makeClusters(Eigen::Index dimensions, Eigen::Index count, unsigned seed)
+{
+  const Eigen::MatrixXf centres = makeNormalCloud(dimensions, 5, 8.0f, seed);
+  Eigen::MatrixXf features = makeNormalCloud(dimensions, count, 0.5f, seed + 1);
+  for (Eigen::Index i = 0; i < count; ++i)
+    features.col(i) += centres.col(i % 5);
+  return features;
+}
+
+// Voxels of half a deviation on a curved surface (first three features). The others are
+// integers divided by four, similar to colours.
+Eigen::MatrixXf
+makeVoxelSurface(Eigen::Index dimensions, Eigen::Index count, unsigned seed)
+{
+  std::mt19937 random(seed);
+  const auto edge = unsigned(std::sqrt(double(count)));
+  Eigen::MatrixXf features(dimensions, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index k = 0; k < dimensions; ++k) {
+      const unsigned x = unsigned(i) % edge, y = unsigned(i) / edge;
+      const unsigned z = x * x / (4 * edge);
+      const unsigned voxel = k == 0 ? x : k == 1 ? y : z;
+      features(k, i) = k < 3 ? 0.5f * float(voxel)
+                             : 0.25f * float(x / 8 + unsigned(k) + random() % 4);
+    }
+  return features;
+}
+
+// The Gaussian exp(-|f_i - f_j|^2 / 2) of all pairs, in double precision.
+Eigen::MatrixXd
+makeGaussianMatrix(const Eigen::MatrixXf& features)
+{
+  const Eigen::MatrixXd exact = features.cast<double>();
+  Eigen::MatrixXd matrix(exact.cols(), exact.cols());
+  for (Eigen::Index j = 0; j < exact.cols(); ++j)
+    matrix.col(j) =
+        (-0.5 * (exact.colwise() - exact.col(j)).colwise().squaredNorm().array())
+            .exp()
+            .transpose();
+  return matrix;
+}
 
 using namespace pcl_semantic;
 

@@ -8,7 +8,6 @@
 #include "support/random_crf.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/mean_field.h>
 

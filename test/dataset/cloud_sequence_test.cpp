@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/ascii_cloud.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -14,10 +15,8 @@ namespace pcl_semantic {
 
 namespace {
 
-const std::string two_points = "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\n"
-                               "TYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
-                               "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
-                               "1 2 3 2\nnan nan nan 0\n";
+const std::string two_points =
+    asciiCloud("x y z label", "1 2 3 2\nnan nan nan 0\n", 1, "0 0 0 1 0 0 0");
 
 } // namespace
 

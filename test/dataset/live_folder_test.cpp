@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/refusal.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/images/image_file.h>
@@ -60,6 +59,16 @@ protected:
     fs::resize_file(path, fs::file_size(path) / 2);
   }
 
+  // The folder with a pair that has been grabbed.
+  std::unique_ptr<LiveCamera>
+  opened() const
+  {
+    writePair(0);
+    auto camera = openLiveFolder(folder.path(""));
+    EXPECT_EQ(camera->grab(), 1);
+    return camera;
+  }
+
   const TemporaryFolder folder;
 };
 
@@ -67,8 +76,8 @@ protected:
 
 TEST_F(FillingFolder, APairIsThereWhenBothImagesAre)
 {
-  expectRefusal<BadInputException>("holds no whole pair of images yet",
-                                   [&] { openLiveFolder(folder.path("")); });
+  expectBadInput("holds no whole pair of images yet",
+                 [&] { openLiveFolder(folder.path("")); });
   EXPECT_FALSE(holdsPair(folder.path("")));
   writePair(3);
   EXPECT_TRUE(holdsPair(folder.path("")));
@@ -106,9 +115,7 @@ TEST_F(FillingFolder, OfManyTheNewestIsGrabbed)
 
 TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
 {
-  writePair(0);
-  const auto camera = openLiveFolder(folder.path(""));
-  EXPECT_EQ(camera->grab(), 1);
+  const auto camera = opened();
   writePair(1);
   cutInHalf(imageOf("image_3", 1));
   EXPECT_EQ(camera->grab(), 0);
@@ -125,9 +132,7 @@ TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
 
 TEST_F(FillingFolder, APairThatComesLateIsCountedWithTheNext)
 {
-  writePair(0);
-  const auto camera = openLiveFolder(folder.path(""));
-  EXPECT_EQ(camera->grab(), 1);
+  const auto camera = opened();
   writePair(3);
   EXPECT_EQ(camera->grab(), 1);
   writePair(1);
@@ -142,9 +147,7 @@ TEST_F(FillingFolder, APairThatComesLateIsCountedWithTheNext)
 
 TEST_F(FillingFolder, APipeIsNotWaitedFor)
 {
-  writePair(0);
-  const auto camera = openLiveFolder(folder.path(""));
-  EXPECT_EQ(camera->grab(), 1);
+  const auto camera = opened();
   for (const char* const side : {"image_2", "image_3"})
     ASSERT_EQ(::mkfifo(imageOf(side, 1).c_str(), 0600), 0);
   EXPECT_EQ(camera->grab(), 0);
@@ -154,9 +157,7 @@ TEST_F(FillingFolder, APipeIsNotWaitedFor)
 
 TEST_F(FillingFolder, OtherFilesArePassedOver)
 {
-  writePair(0);
-  const auto camera = openLiveFolder(folder.path(""));
-  EXPECT_EQ(camera->grab(), 1);
+  const auto camera = opened();
   for (const char* const name : {"20261125134500.png", "left.png", "notes.txt", ".png"})
     folder.write(std::string("image_2/") + name, "x");
   EXPECT_EQ(camera->grab(), 0);
@@ -165,19 +166,16 @@ TEST_F(FillingFolder, OtherFilesArePassedOver)
   EXPECT_EQ(camera->grab(), 1);
   EXPECT_EQ(camera->retrieve().number, 1);
   fs::remove_all(folder.path("image_2"));
-  expectRefusal<BadInputException>("image_2: cannot be read", [&] { camera->grab(); });
+  expectBadInput("image_2: cannot be read", [&] { camera->grab(); });
 }
 
 TEST_F(FillingFolder, AnImageOfAnotherSizeIsRefused)
 {
-  writePair(0);
-  const auto camera = openLiveFolder(folder.path(""));
+  const auto camera = opened();
   write("image_2", 1, {100, 80});
   write("image_3", 1, {100, 80});
   EXPECT_EQ(camera->grab(), 1);
-  EXPECT_EQ(camera->grab(), 1);
-  expectRefusal<BadInputException>("has 100 x 80 pixels, expected 120 x 80",
-                                   [&] { camera->retrieve(); });
+  expectBadInput("has 100 x 80 pixels, expected 120 x 80", [&] { camera->retrieve(); });
 }
 
 } // namespace pcl_semantic

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/refusal.h"
 #include "support/stereo_rigs.h"
+#include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rectifier.h>
 
 #include <opencv2/calib3d.hpp>
@@ -186,12 +185,11 @@ TEST(Rectifier, RefusesWhatItCannotRectify)
             [](auto& r) { r.D1[0] = -40.0; }}}) {
     StereoRig rig = exampleRig();
     change(rig);
-    expectRefusal<InvalidParameterException>(says, [&] { Rectifier{rig}; });
+    expectBadParameter(says, [&] { Rectifier{rig}; });
   }
   const Rectifier rectifier(exampleRig());
-  expectRefusal<InvalidParameterException>(
-      "image has 641 x 480 pixels, expected 640 x 480",
-      [&] { rectifier.rectify(cv::Mat1b(480, 641), StereoSide::left); });
+  expectBadParameter("image has 641 x 480 pixels, expected 640 x 480",
+                     [&] { rectifier.rectify(cv::Mat1b(480, 641), StereoSide::left); });
 }
 
 } // namespace pcl_semantic

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/refusal.h"
 #include "support/stereo_rigs.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
@@ -78,11 +78,13 @@ TEST(StereoRig, ReadsTheTwoFilesOfOpenCvsSample)
 {
   const TemporaryFolder folder;
   StereoRig rig = exampleRig();
-  cv::Mat K1, K2, R, T;
-  cv::eigen2cv(rig.K1, K1);
-  cv::eigen2cv(rig.K2, K2);
-  cv::eigen2cv(rig.R, R);
-  cv::eigen2cv(rig.T, T);
+  const auto matrix = [](const auto& values) {
+    cv::Mat result;
+    cv::eigen2cv(values, result);
+    return result;
+  };
+  const cv::Mat K1 = matrix(rig.K1), K2 = matrix(rig.K2), R = matrix(rig.R),
+                T = matrix(rig.T);
   const std::string in = folder.path("intrinsics.yml"),
                     ex = folder.path("extrinsics.yml");
   {
@@ -94,8 +96,7 @@ TEST(StereoRig, ReadsTheTwoFilesOfOpenCvsSample)
   }
   rig.width = rig.height = 0; // they do not say
   expectSameRig(readStereoRig(in, ex), rig, 1e-14);
-  expectRefusal<BadInputException>("intrinsics.yml: key 'R' is missing",
-                                   [&] { readStereoRig(in); });
+  expectBadInput("intrinsics.yml: key 'R' is missing", [&] { readStereoRig(in); });
 }
 
 TEST(StereoRig, OtherSpellings)
@@ -306,8 +307,8 @@ TEST(StereoRig, ReadsTheCameraInfosOfRos)
            {right, left, "are left and right swapped?"},
            {left, left, "the baseline is 0 m"},
            {fisheye, right, "distortion_model is 'equidistant'"}})
-    expectRefusal<BadInputException>(
-        says, [&, &one = first, &other = second] { readStereoRig(one, other); });
+    expectBadInput(says,
+                   [&, &one = first, &other = second] { readStereoRig(one, other); });
 }
 
 } // namespace pcl_semantic

@@ -63,9 +63,7 @@ TEST(DepthFile, OtherDepthsAreRefused)
   for (const cv::Mat& depths : {cv::Mat(4, 4, CV_16UC1, cv::Scalar(3000)),
                                 cv::Mat(4, 4, CV_32FC3, cv::Scalar::all(3)),
                                 cv::Mat(4, 4, CV_32FC1, cv::Scalar(-3)), cv::Mat()})
-    EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                          [&] { writeDepthImage(path, depths); }),
-                      path));
+    expectBadParameter(path, [&] { writeDepthImage(path, depths); });
   writeDepthImage(path, cv::Mat(4, 4, CV_64FC1, cv::Scalar(3)));
   EXPECT_EQ(readDepths(path).at<float>(1, 1), 3.0f);
 }

@@ -2,8 +2,6 @@
 #include "files/bytes.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
-
 #include <gtest/gtest.h>
 
 using namespace pcl_semantic;
@@ -29,6 +27,5 @@ TEST(Bytes, AreReadAsTheyWereWritten)
   EXPECT_EQ(reader.get<float>(), 0.5f);
   EXPECT_EQ(reader.get<double>(), -1.25);
   EXPECT_EQ(reader.getRest(), (Bytes{7, 8}));
-  EXPECT_TRUE(
-      throws<BadInputException>("ends too early", [&] { reader.get<std::uint8_t>(); }));
+  expectBadInput("ends too early", [&] { reader.get<std::uint8_t>(); });
 }

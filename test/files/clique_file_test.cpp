@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/clique_lists.h"
 #include "support/refused_file.h"
 
 #include <pcl_semantic/files/clique_file.h>
@@ -9,18 +10,7 @@ using namespace pcl_semantic;
 
 namespace {
 
-using Lists = std::vector<pcl::Indices>;
-
-Lists
-listsOf(const std::vector<pcl::PointIndices>& cliques)
-{
-  Lists lists;
-  for (const pcl::PointIndices& clique : cliques)
-    lists.push_back(clique.indices);
-  return lists;
-}
-
-Lists
+Cliques
 read(const std::string& text, std::size_t points = 1000)
 {
   const TemporaryFolder folder;
@@ -40,10 +30,10 @@ refuses(const std::string& line, const std::string& part)
 TEST(CliqueFile, ReadsListsBlanksAndComments)
 {
   EXPECT_EQ(read("# two\n\n3 1 2\r\n  \t\f\v\n 999\t0 # why\n#5 6\n1"),
-            (Lists{{1, 2, 3}, {0, 999}, {1}}));
-  EXPECT_EQ(read(""), Lists());
-  EXPECT_EQ(read("# nothing\n"), Lists());
-  EXPECT_EQ(read("2147483646", 2147483647), Lists{{2147483646}});
+            (Cliques{{1, 2, 3}, {0, 999}, {1}}));
+  EXPECT_EQ(read(""), Cliques());
+  EXPECT_EQ(read("# nothing\n"), Cliques());
+  EXPECT_EQ(read("2147483646", 2147483647), Cliques{{2147483646}});
 }
 
 TEST(CliqueFile, NamesTheLineOfABadIndex)
@@ -59,7 +49,7 @@ TEST(CliqueFile, NamesTheLineOfABadIndex)
 
 TEST(CliqueFile, NoPointsHaveNoCliques)
 {
-  EXPECT_EQ(read("# none\n", 0), Lists());
+  EXPECT_EQ(read("# none\n", 0), Cliques());
   thrownMessage<BadInputException>([] { read("0\n", 0); });
   thrownMessage<BadInputException>([] { readCliques("/no/such.txt"); });
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/ascii_cloud.h"
+#include "support/kitti11.h"
 #include "support/refused_file.h"
 
 #include <pcl_semantic/clouds/point_cloud2.h>
@@ -55,11 +57,10 @@ TEST(CloudFile, KeepsWiderColoursOfPly)
 {
   const TemporaryFolder folder;
   for (const char* const type : {"ushort", "char", "float"}) {
-    const std::string property = "property " + std::string(type) + " ";
-    folder.write("a.ply",
-                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n" +
-                     property + "red\n" + property + "green\n" + property +
-                     "blue\nend_header\n1 100 20 3\n");
+    const std::string property = type + std::string(":");
+    folder.write("a.ply", asciiPly("x " + property + "red " + property + "green " +
+                                       property + "blue",
+                                   "1 100 20 3\n"));
     const PcdTable table = readCloudTable(folder.path("a.ply"));
     ASSERT_GE(table.find("rgba"), 0) << type;
     EXPECT_EQ(PcdColumn(table, table.find("rgba")).bits(0), 0xFF641403u) << type;
@@ -74,9 +75,7 @@ TEST(CloudFile, ATableIsACloudOfPcl)
   const TemporaryFolder folder;
   folder.write("a.pcd", "FIELDS x y z _\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 1\n"
                         "HEIGHT 2\nDATA ascii\n1 2 3 9\n4 5 6 9\n");
-  folder.write("a.ply",
-               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-               "property float y\nproperty float z\nend_header\n1 2 3\n4 5 6\n");
+  folder.write("a.ply", asciiPly("x y z", "1 2 3\n4 5 6\n"));
   folder.write("a.bin", bytes<float>({1, 2, 3, 0.5f, 4, 5, 6, 0.25f}));
   for (const char* const name : {"a.pcd", "a.ply", "a.bin"}) {
     const PcdTable table = readCloudTable(folder.path(name));
@@ -148,24 +147,19 @@ TEST(CloudFile, ReadsScansWithTheLabelsThatBelongToThem)
     fs::remove(folder.path(labels));
   }
   folder.write("labels/000001.label", "1234");
-  EXPECT_TRUE(
-      throws<BadInputException>("labels/000001.label: has 4 bytes, expected 8", [&] {
-        readCloudTable(folder.path("velodyne/000001.bin"));
-      }));
+  expectBadInput("labels/000001.label: has 4 bytes, expected 8",
+                 [&] { readCloudTable(folder.path("velodyne/000001.bin")); });
   EXPECT_TRUE(refuses("half.bin", "12345678", "a multiple of 16"));
 }
 
 TEST(CloudFile, MapsNumbersToLabels)
 {
-  const LabelSet label_set =
-      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  const LabelSet label_set = readLabelSet(kitti11);
   const LabelMapping kitti = readLabelMapping("semantic_kitti_to_kitti11", label_set);
   const LabelMapping zero_based = readLabelMapping("zero_based", label_set);
   const TemporaryFolder folder;
-  folder.write("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
-                        "property float y\nproperty float z\nproperty int label\n"
-                        "end_header\n1 2 3 252\n1 2 3 -1\n1 2 3 0\n1 2 3 40\n");
-  const std::string path = folder.path("a.ply");
+  const std::string path = folder.write(
+      "a.ply", asciiPly("x y z int:label", "1 2 3 252\n1 2 3 -1\n1 2 3 0\n1 2 3 40\n"));
   const auto labels = [&](const LabelMapping& mapping) {
     std::vector<std::uint32_t> all;
     const auto cloud = readLabelledCloud(path, &mapping).cloud;
@@ -176,12 +170,12 @@ TEST(CloudFile, MapsNumbersToLabels)
   EXPECT_EQ(labels(kitti), (std::vector<std::uint32_t>{label_set.find("car"), 0, 0,
                                                        label_set.find("road")}));
   EXPECT_EQ(labels(zero_based), (std::vector<std::uint32_t>{0, 0, 1, 0}));
-  EXPECT_TRUE(throws<BadInputException>(
+  expectBadInput(
       "field 'label' of point 1 is -1, expected a whole number from 0 to 255, or a "
       "label mapping",
-      [&] { readLabelledCloud(path); }));
-  EXPECT_TRUE(throws<BadInputException>(
-      "semantic_kiti", [&] { readLabelMapping("semantic_kiti", label_set); }));
+      [&] { readLabelledCloud(path); });
+  expectBadInput("semantic_kiti",
+                 [&] { readLabelMapping("semantic_kiti", label_set); });
 }
 
 TEST(PointCloud2, HoldsAllOfAVoxelCloud)
@@ -224,13 +218,10 @@ TEST(PointCloud2, HoldsAllOfAVoxelCloud)
   voxels.observations.pop_back();
   EXPECT_THROW(toPCLPointCloud2(voxels, blob), InvalidParameterException);
   blob.fields[0].name = "u";
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "has no field 'x'", [&] { fromPCLPointCloud2(blob, back); }));
+  expectBadParameter("has no field 'x'", [&] { fromPCLPointCloud2(blob, back); });
   blob.data.pop_back();
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "bytes for 3 x 1 points", [&] { fromPCLPointCloud2(blob, back); }));
+  expectBadParameter("bytes for 3 x 1 points", [&] { fromPCLPointCloud2(blob, back); });
   blob.data.push_back(0);
   blob.fields[0].offset = blob.point_step;
-  EXPECT_TRUE(throws<InvalidParameterException>("ends beyond its point",
-                                                [&] { PcdTable table(blob); }));
+  expectBadParameter("ends beyond its point", [&] { PcdTable table(blob); });
 }

@@ -136,12 +136,10 @@ TEST(LabelMappingFile, SemanticKittiToItsNineteenClasses)
 TEST(LabelMappingFile, KnowsNumbersWithoutAClass)
 {
   const LabelSet set = readLabelSet(data_folder + "label_sets/kitti11.yaml");
-  for (const std::string name :
-       {"semantic_kitti_to_kitti11", "semantic_kitti_to_semantic_kitti19"}) {
-    const LabelSet of_name =
-        readLabelSet(data_folder + "label_sets/" +
-                     (name.back() == '9' ? "semantic_kitti19.yaml" : "kitti11.yaml"));
-    const LabelMapping mapping = readLabelMapping(name, of_name);
+  for (const std::string name : {"kitti11", "semantic_kitti19"}) {
+    const LabelMapping mapping =
+        readLabelMapping("semantic_kitti_to_" + name,
+                         readLabelSet(data_folder + "label_sets/" + name + ".yaml"));
     for (const std::uint32_t id :
          {0,  1,  10, 11, 13, 15, 16, 18, 20, 30,  31,  32,  40,  44,  48,  49,  50,
           51, 52, 60, 70, 71, 72, 80, 81, 99, 252, 253, 254, 255, 256, 257, 258, 259})

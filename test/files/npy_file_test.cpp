@@ -63,7 +63,7 @@ TEST(ReadNpy, ReadsFloat16)
                                                5.9604645e-8f, 0.33325195f}));
 }
 
-TEST(ReadNpy, SaysWhatDiffers)
+TEST(ReadNpy, RefusesWhatDiffersAndSizesThatDoNotFitTheFile)
 {
   EXPECT_TRUE(refuses(npy("<f8", "(2, 3, 4)", floats(48)), "<f8"));
   EXPECT_TRUE(refuses(npy(">f4", "(2, 3, 4)", floats(24)), ">f4"));
@@ -71,10 +71,6 @@ TEST(ReadNpy, SaysWhatDiffers)
   for (const char* const shape :
        {"(24,)", "(6, 4)", "(1, 2, 3, 4)", "()", "(-2, 3, 4)"})
     EXPECT_TRUE(refuses(npy("<f4", shape, floats(24)), "three axes"));
-}
-
-TEST(ReadNpy, RefusesSizesThatDoNotFitTheFile)
-{
   const std::string whole = npy("<f4", "(2, 3, 4)", floats(24));
   EXPECT_TRUE(refuses(whole + "x"));
   for (std::size_t size = 0; size < whole.size(); ++size)
@@ -83,11 +79,8 @@ TEST(ReadNpy, RefusesSizesThatDoNotFitTheFile)
        {"(2147483648, 2147483648, 4)", "(999999, 999999, 999999)",
         "(99999999999999999999, 1, 1)"})
     EXPECT_TRUE(refuses(npy("<f4", shape, floats(24))));
-}
-
-TEST(ReadNpy, RefusesAHeaderOfAnotherLengthOrVersion)
-{
-  std::string bytes = npy("<f4", "(2, 3, 4)", floats(24));
+  // A header of another length or version.
+  std::string bytes = whole;
   bytes[8] = bytes[9] = '\xFF';
   EXPECT_TRUE(refuses(bytes));
   bytes[6] = '\x02';

@@ -113,23 +113,21 @@ TEST(ScanFile, RefusesOtherColumnsThanAssumed)
       EXPECT_EQ(readCloudTable(path, parseScanColumns("4")).doubts.size(), 1u);
     }
   const TemporaryFolder folder;
-  EXPECT_TRUE(throws<BadInputException>(
+  expectBadInput(
       "has 340 bytes, expected a multiple of 16 (4 float32 a point); it looks like 5",
       [&] {
         readCloudTable(folder.write("a.bin", scanOf(17, [](auto& random, int) {
                                       return around(random, 2, 256.0f);
                                     })));
-      }));
+      });
   std::vector<double> values;
   std::mt19937 random(1);
   for (int i = 0; i < 400; ++i)
     values.push_back(std::uniform_real_distribution<double>(-40, 40)(random));
-  EXPECT_TRUE(
-      throws<BadInputException>("positions are too large or too small for metres", [&] {
-        readCloudTable(
-            folder.write("d.bin", {reinterpret_cast<const char*>(values.data()),
-                                   8 * values.size()}));
-      }));
+  expectBadInput("positions are too large or too small for metres", [&] {
+    readCloudTable(folder.write(
+        "d.bin", {reinterpret_cast<const char*>(values.data()), 8 * values.size()}));
+  });
 }
 
 TEST(ScanFile, AnEmptyOneHasNoPoints)
@@ -145,9 +143,8 @@ TEST(ScanFile, AnEmptyOneHasNoPoints)
 
 TEST(ScanFile, ColumnsOfAnotherTypeAreRefused)
 {
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "'x:f8' states a type, but all columns of a .bin are float32",
-      [] { parseScanColumns("x:f8,y:f8,z:f8"); }));
+  expectBadParameter("'x:f8' states a type, but all columns of a .bin are float32",
+                     [] { parseScanColumns("x:f8,y:f8,z:f8"); });
 }
 
 // Equal columns do not reveal their number, but intensities are never negative.
@@ -159,16 +156,15 @@ TEST(ScanFile, RefusesNegativeIntensitiesAndText)
                      return Row{between(random, -9, 9), between(random, -9, 9),
                                 between(random, -9, 9)};
                    }));
-  EXPECT_TRUE(throws<BadInputException>(
-      "holds negative intensities, expected float32 x", [&] { readCloudTable(path); }));
+  expectBadInput("holds negative intensities, expected float32 x",
+                 [&] { readCloudTable(path); });
   EXPECT_EQ(readCloudTable(path, parseScanColumns("3")).points(), 400u);
   EXPECT_EQ(readCloudTable(path, {"x", "y", "z", "doppler"}).points(), 300u);
   std::string text;
   for (int i = 0; i < 64; ++i)
     text += "1.25 2.50 3.75 4\n";
-  EXPECT_TRUE(throws<BadInputException>("a.bin: is text, expected float32", [&] {
-    readCloudTable(folder.write("a.bin", text));
-  }));
+  expectBadInput("a.bin: is text, expected float32",
+                 [&] { readCloudTable(folder.write("a.bin", text)); });
 }
 
 TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
@@ -254,8 +250,8 @@ TEST(ScanFile, RealScansAreReadWithoutADoubt)
     ASSERT_TRUE(ring(i) >= 0.0 && ring(i) <= 31.0);
   const TemporaryFolder folder;
   fs::copy_file(nuscenes, folder.path("a.bin"));
-  EXPECT_TRUE(throws<BadInputException>("but like 5 float32 a point",
-                                        [&] { readCloudTable(folder.path("a.bin")); }));
+  expectBadInput("but like 5 float32 a point",
+                 [&] { readCloudTable(folder.path("a.bin")); });
 }
 
 // `velodyne` is a link to the scans of another drive; the labels are our own.
@@ -317,7 +313,7 @@ TEST(ScanFile, SaysWhatFilesOfOtherFormatsAre)
                          {"a.las", pointer, "expected .pcd, .ply or .bin"}}) {
     const TemporaryFolder folder;
     const std::string path = folder.write(each.name, each.bytes);
-    EXPECT_TRUE(throws<BadInputException>(each.part, [&] { readCloudTable(path); }));
+    expectBadInput(each.part, [&] { readCloudTable(path); });
   }
 }
 

@@ -109,25 +109,24 @@ TEST(KittiTrajectory, RoundTripsExactly)
 TEST(KittiTrajectory, NamesTheLineOfWhatCannotBeUsed)
 {
   const std::string good = identity + "\n";
-  EXPECT_TRUE(refusesKitti(good + identity.substr(0, 21), "line 2: has 11"));
-  EXPECT_TRUE(refusesKitti(good + identity + " 0\n", "line 2"));
+  EXPECT_TRUE(refusesKitti(good + identity.substr(0, 21),
+                           "line 2: has 11 numbers, expected 12"));
+  EXPECT_TRUE(refusesKitti(good + identity + " 0\n", "line 2: has 13 numbers"));
   for (const char* const bad : {"nan", "inf", "-inf", "1,5", "abc", "1e999"})
     EXPECT_TRUE(refusesKitti(good + "1 0 0 0 0 1 0 0 0 0 1 " + bad, "line 2")) << bad;
   EXPECT_TRUE(refusesKitti("1 0 0 0 0 1 0 0 0 0 -1 0", "line 1")); // a mirror
-  EXPECT_TRUE(refusesKitti("0 0 0 0 0 0 0 0 0 0 0 0", "line 1"));
+  for (const char* const none : {"0 0 0 0 0 0 0 0 0 0 0 0", "1.1 0 0 0 0 1 0 0 0 0 1 0",
+                                 "-1 0 0 0 0 -1 0 0 0 0 -1 0"})
+    EXPECT_TRUE(refusesKitti(none, "line 1: the left 3 x 3 block")) << none;
   EXPECT_TRUE(refusesKitti(stretchedRow(1.1), "rotation"));
   // The bytes of a binary file are not shown.
   EXPECT_TRUE(refusesKitti(std::string("\x1b[2J\x01x", 6),
                            "poses.txt line 1: '?[2J?x' is not a number"));
-}
-
-TEST(KittiTrajectory, HasARowForEveryFrame)
-{
-  const std::string row = identity + "\n";
-  EXPECT_EQ(readKitti("# by some tool\n#\n" + row + row + "\n \n").size(), 2u);
+  // It has a row for every frame.
+  EXPECT_EQ(readKitti("# by some tool\n#\n" + good + good + "\n \n").size(), 2u);
   for (const char* const gap : {"\n", "# lost\n", " \r\n"})
     EXPECT_TRUE(refusesKitti(
-        row + gap + row, "poses.txt line 2: is empty, but a later line has a pose"));
+        good + gap + good, "poses.txt line 2: is empty, but a later line has a pose"));
   for (const char* const nothing : {"", "\n\n", "# nothing\n"})
     EXPECT_TRUE(refusesKitti(nothing, "poses.txt: holds no pose"));
   thrownMessage<BadInputException>([] { readKittiTrajectory("/no/such/poses.txt"); });
@@ -209,8 +208,9 @@ TEST(TumTrajectory, NamesTheLineOfWhatCannotBeUsed)
         std::pair("# x\n2 0 0 nan 0 0 0 1\n", "line 3: 'nan'"),
         std::pair("2 0 0 1,5 0 0 0 1\n", "line 2: '1,5'"),
         std::pair("2 0 0 0 0 0 0 1.1\n", "line 2: the quaternion"),
-        std::pair("2 0 0 0 0 0 0 0\n", "line 2: the quaternion"),
-        std::pair("1 0 0 0 0 0 0 1\n", "line 2: time is not later")})
+        std::pair("2 0 0 0 0 0 0 0\n", "line 2: the quaternion has length 0"),
+        std::pair("1 0 0 0 0 0 0 1\n", "line 2: time is not later than"),
+        std::pair("0 0 0 0 0 0 0 1\n", "line 2: time is not later than")})
     EXPECT_TRUE(refusesTum(good + text, part));
   EXPECT_TRUE(refusesTum("# nothing\n", "holds no pose"));
 }
@@ -278,5 +278,5 @@ TEST(Times, AreReadByRow)
   EXPECT_EQ(read("0\n1.5e-1\n\n"), (std::vector<double>{0.0, 0.15}));
   EXPECT_NEAR(read("1403636579763555584\n").front(), 1403636579.763555584, 1e-6);
   for (const char* const bad : {"0\n1 2\n", "0\n\n1\n", "0\nx\n", "0\nnan\n"})
-    EXPECT_TRUE(throws<BadInputException>("line 2", [&] { read(bad); }));
+    expectBadInput("line 2", [&] { read(bad); });
 }

@@ -60,6 +60,17 @@ valuesOf(const Blob& blob, const std::string& name, int element = 0)
   return values;
 }
 
+Blob
+thinned(const Blob::Ptr& blob, double leaf_size)
+{
+  LabelVoxelGrid grid;
+  grid.setLeafSize(leaf_size);
+  grid.setInputCloud(blob);
+  Blob output;
+  grid.filter(output);
+  return output;
+}
+
 CrfCloud
 labelledCloud()
 {
@@ -75,17 +86,15 @@ TEST(PointCloud2Filters, ReadMeasurementsAndCliquesOfTheirFields)
 {
   const CrfCloud cloud = labelledCloud();
   const Blob::Ptr blob = blobOf(cloud, true);
-  SemanticCRF<pcl::PointXYZRGBL> expected;
+  CrfFilter expected;
   expected.setModel(CRFModelType::hierarchical);
-  expected.setInputCloud(cloud.cloud);
-  expected.setLabelDistributions(cloud.distributions);
   std::vector<pcl::PointIndices> cliques(39);
   for (int i = 0; i < 400; ++i)
     if (i % 40 != 0)
       cliques[std::size_t(i % 40 - 1)].indices.push_back(i);
   expected.setCliques(cliques);
   Cloud refined;
-  expected.filter(refined);
+  const Eigen::MatrixXf probabilities = refine(expected, cloud, &refined);
 
   SemanticCRF<Blob> crf;
   crf.setModel(CRFModelType::hierarchical);
@@ -104,8 +113,7 @@ TEST(PointCloud2Filters, ReadMeasurementsAndCliquesOfTheirFields)
   for (int k = 0; k < 4; ++k) {
     const std::vector<double> probability = valuesOf(output, "probability", k);
     for (Eigen::Index i = 0; i < 400; ++i)
-      ASSERT_EQ(probability[std::size_t(i)],
-                expected.getLabelDistributions().matrix()(k, i));
+      ASSERT_EQ(probability[std::size_t(i)], probabilities(k, i));
   }
   EXPECT_EQ(valuesOf(output, "intensity"), valuesOf(*blob, "intensity"));
   EXPECT_EQ(output.header.frame_id, "lidar");
@@ -178,15 +186,11 @@ TEST(PointCloud2Filters, RefuseCloudsThatLackAField)
   SemanticCRF<Blob> crf;
   crf.setInputCloud(blob);
   Blob output;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
-            "has no field 'probability'"));
+  expectBadParameter("has no field 'probability'", [&] { crf.filter(output); });
   for (pcl::PCLPointField& field : blob->fields)
     if (field.name == "label")
       field.name = "kind";
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
-            "has no field 'label'"));
+  expectBadParameter("has no field 'label'", [&] { crf.filter(output); });
 }
 
 TEST(LabelVoxelGrid, KeepsThePointNearestToTheMeanWithTheMostFrequentLabel)
@@ -209,11 +213,7 @@ TEST(LabelVoxelGrid, KeepsThePointNearestToTheMeanWithTheMostFrequentLabel)
   add(std::numeric_limits<float>::quiet_NaN(), 5);
   Blob::Ptr blob(new Blob);
   pcl::toPCLPointCloud2(cloud, *blob);
-  LabelVoxelGrid grid;
-  grid.setLeafSize(0.1);
-  grid.setInputCloud(blob);
-  Blob output;
-  grid.filter(output);
+  const Blob output = thinned(blob, 0.1);
   Cloud thin;
   pcl::fromPCLPointCloud2(output, thin);
   ASSERT_EQ(thin.size(), 3u);
@@ -233,11 +233,7 @@ TEST(LabelVoxelGrid, TakesTheMeanOfProbabilities)
     point.getVector3fMap().setConstant(0.01f);
     point.label = 1;
   }
-  LabelVoxelGrid grid;
-  grid.setLeafSize(0.1);
-  grid.setInputCloud(blobOf(cloud, true));
-  Blob output;
-  grid.filter(output);
+  const Blob output = thinned(blobOf(cloud, true), 0.1);
   EXPECT_EQ(valuesOf(output, "label"), std::vector<double>{2});
   EXPECT_NEAR(valuesOf(output, "probability", 1)[0], 0.45, 1e-6);
 }
@@ -250,9 +246,7 @@ TEST(LabelVoxelGrid, RefusesASizeThatCannotBe)
   Blob output;
   EXPECT_THROW(grid.filter(output), InvalidParameterException);
   grid.setLeafSize(1e-12);
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { grid.filter(output); }),
-            "take larger ones"));
+  expectBadParameter("take larger ones", [&] { grid.filter(output); });
 }
 
 // What pcl::ExtractIndices leaves of a cloud if it takes no point: with or without
@@ -335,11 +329,7 @@ TEST(PointCloud2Filters, PassOverNoReturns)
     without.filter(expected);
     EXPECT_EQ(refined.data, expected.data);
 
-    LabelVoxelGrid grid;
-    grid.setLeafSize(1e-3);
-    grid.setInputCloud(blob);
-    Blob thin;
-    grid.filter(thin);
+    const Blob thin = thinned(blob, 1e-3);
     std::size_t at_zero = 0;
     for (std::size_t i = 0; i < thin.width; ++i)
       at_zero += valuesOf(thin, "x")[i] == 0.0 && valuesOf(thin, "y")[i] == 0.0;
@@ -355,9 +345,8 @@ TEST(PointCloud2Filters, RowsNeedTheirSize)
   EXPECT_EQ(PcdTable(*blob).data, PcdTable(packed).data);
   blob->height = 2;
   blob->width = 200;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { PcdTable table(*blob); }),
-            "row_step is 0, expected at least"));
+  expectBadParameter("row_step is 0, expected at least",
+                     [&] { PcdTable table(*blob); });
   Blob nothing; // the product of its size is 0 in 64 bits
   nothing.width = nothing.height = 1u << 31;
   for (const pcl::uindex_t step : {0u, 1u << 31}) {
@@ -388,13 +377,15 @@ TEST(SemanticCRF, TakesInstancesOff)
 
 TEST(SemanticCRF, GivesNothingOfNothing)
 {
-  SemanticCRF<pcl::PointXYZRGBL> crf;
-  const CrfCloud cloud = labelledCloud();
-  crf.setLabelDistributions(cloud.distributions); // of a frame before
-  crf.setInputCloud(pcl::make_shared<Cloud>());
-  Cloud output;
-  output.resize(3);
-  crf.filter(output);
-  EXPECT_TRUE(output.empty());
-  EXPECT_EQ(crf.getLabelDistributions().size(), 0);
+  CrfFilter crf;
+  CrfCloud empty = labelledCloud(); // with the distributions of a frame before, or none
+  for (const int classes : {0, 4}) {
+    empty.cloud = pcl::make_shared<Cloud>();
+    if (classes > 0)
+      empty.distributions = LabelDistributions(classes, 0);
+    Cloud output;
+    output.resize(3);
+    EXPECT_EQ(refine(crf, empty, &output).cols(), 0);
+    EXPECT_TRUE(output.empty());
+  }
 }

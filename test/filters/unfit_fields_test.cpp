@@ -6,6 +6,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/clouds/pcd_table.h>
 #include <pcl_semantic/clouds/point_cloud2.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
@@ -62,41 +63,18 @@ put(double value, int type, std::uint8_t* to)
     const auto number = decltype(zero)(value);
     std::memcpy(to, &number, sizeof(number));
   };
-  switch (type) {
-  case Type::UINT8:
-    return as(std::uint8_t());
-  case Type::INT32:
-    return as(std::int32_t());
-  case Type::UINT32:
-    return as(std::uint32_t());
-  case Type::FLOAT32:
-    return as(float());
-  default:
-    return as(double());
-  }
+  type == Type::UINT8     ? as(std::uint8_t())
+  : type == Type::INT32   ? as(std::int32_t())
+  : type == Type::UINT32  ? as(std::uint32_t())
+  : type == Type::FLOAT32 ? as(float())
+                          : as(double());
 }
 
 double
 get(const Blob& blob, std::size_t point, const std::string& name, int element = 0)
 {
-  const Type& field = blob.fields[std::size_t(pcl::getFieldIndex(blob, name))];
-  const std::uint8_t* const from =
-      blob.data.data() + point * blob.point_step + field.offset +
-      std::size_t(element * pcl::getFieldSize(field.datatype));
-  const auto as = [&](auto number) {
-    std::memcpy(&number, from, sizeof(number));
-    return double(number);
-  };
-  switch (field.datatype) {
-  case Type::INT32:
-    return as(std::int32_t());
-  case Type::UINT32:
-    return as(std::uint32_t());
-  case Type::FLOAT32:
-    return as(float());
-  default:
-    return as(double());
-  }
+  const PcdTable table(blob);
+  return PcdColumn(table, table.find(name))(point, element);
 }
 
 // Two halves of 1 and 2, with points of 3 among them, as all that is known of labels.
@@ -317,9 +295,8 @@ TEST(UnfitFields, ProbabilitiesAreRewrittenAsTheyAre)
     EXPECT_NEAR(probability(thin, 0, 2), 0.275, 1e-6);
     // There is no room for the classes of other measurements.
     crf.setLabelConfidence(0.8, 5);
-    EXPECT_TRUE(
-        holds(thrownMessage<InvalidParameterException>([&] { crf.filter(refined); }),
-              "the field '" + name + "' holds 3 classes, and the result has 5"));
+    expectBadParameter("the field '" + name + "' holds 3 classes, and the result has 5",
+                       [&] { crf.filter(refined); });
   }
   const Blob::Ptr whole =
       blobOf({label, {"probability", Type::UINT8, 3}},
@@ -327,9 +304,7 @@ TEST(UnfitFields, ProbabilitiesAreRewrittenAsTheyAre)
                return field.count == 1 ? labelOf(i) : k + 1 == labelOf(i);
              });
   Blob output;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { runGrid(whole, output); }),
-            "cannot hold probabilities"));
+  expectBadParameter("cannot hold probabilities", [&] { runGrid(whole, output); });
 }
 
 TEST(UnfitFields, ThoseThatAreNotUsedMayHoldAnything)
@@ -364,9 +339,7 @@ TEST(UnfitFields, AModelOfCliquesNeedsSome)
   crf.setLabelConfidence(0.8, classes);
   crf.setInputCloud(blob);
   Blob output;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
-            "needs cliques"));
+  expectBadParameter("needs cliques", [&] { crf.filter(output); });
 }
 
 // The cells of cliques lie the same whatever was taken off the positions.
@@ -403,9 +376,9 @@ TEST(UnfitFields, AGeneratorNeedsTheSizeOfTheCloud)
   for (const std::uint32_t width : {0u, 7u, 400u}) {
     cloud->width = width;
     cloud->height = edge;
-    EXPECT_TRUE(holds(
-        thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
-        "a width of " + std::to_string(width) + " and a height of 20, but 400 points"));
+    expectBadParameter("a width of " + std::to_string(width) +
+                           " and a height of 20, but 400 points",
+                       [&] { crf.filter(output); });
   }
   cloud->width = edge;
   crf.filter(output);
@@ -473,9 +446,7 @@ TEST(UnfitFields, ARowBeyondTheDataIsNamed)
   const Blob::Ptr blob = withOneLabel({"label", Type::UINT32}, 1);
   blob->row_step = 1 << 20;
   Blob output;
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { runGrid(blob, output); }),
-            "row_step is 1048576, too large"));
+  expectBadParameter("row_step is 1048576, too large", [&] { runGrid(blob, output); });
 }
 
 TEST(LabelVoxelGrid, PassesOverAPointFarOffAndCountsEachOnce)
@@ -495,8 +466,8 @@ TEST(LabelVoxelGrid, PassesOverAPointFarOffAndCountsEachOnce)
   EXPECT_EQ(get(output, 0, "label"), 1.0);
   for (const int beyond : {400, -1}) {
     grid.setIndices(pcl::make_shared<pcl::Indices>(1, beyond));
-    EXPECT_TRUE(holds(
-        thrownMessage<InvalidParameterException>([&] { grid.filter(output); }),
-        "the index " + std::to_string(beyond) + " is beyond the cloud of 400 points"));
+    expectBadParameter("the index " + std::to_string(beyond) +
+                           " is beyond the cloud of 400 points",
+                       [&] { grid.filter(output); });
   }
 }

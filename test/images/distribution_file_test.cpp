@@ -123,9 +123,8 @@ TEST(ReadDistributions, NumbersAndColoursOfImagesAreMapped)
   writePng(path, colours);
   EXPECT_TRUE(refuses_mapping("colours", "pixel (3, 2) has the colour 100, 0, 0"));
   const LabelSet same({{"a", {1, 2, 3}}, {"b", {1, 2, 3}}});
-  EXPECT_TRUE(
-      throws<BadInputException>("'a' and 'b' of the label set have the same colour",
-                                [&] { readPixelMapping("colours", same); }));
+  expectBadInput("'a' and 'b' of the label set have the same colour",
+                 [&] { readPixelMapping("colours", same); });
 }
 
 TEST(ReadDistributions, RefusesOtherSizesAndFiles)
@@ -140,7 +139,7 @@ TEST(ReadDistributions, RefusesOtherSizesAndFiles)
     EXPECT_TRUE(refuses("a.npy", npyOf(someValues(), shape), "(3, 4, 5)"));
   EXPECT_TRUE(refuses("a.txt", "0.5", ".bin, .npy or .png"));
   for (const char* const name : {"/no.bin", "/no.npy", "/no.png"})
-    EXPECT_TRUE(throws<BadInputException>(name, [&] { read(name); }));
+    expectBadInput(name, [&] { read(name); });
 }
 
 TEST(ReadDistributions, NormalizesSumsNearOneAndRefusesOthers)
@@ -184,8 +183,7 @@ TEST(ReadDistributions, PngIdsGetTheStatedConfidence)
 
   ids.at<std::uint8_t>(2, 3) = 6;
   writePng(folder.path("a.png"), ids);
-  EXPECT_TRUE(throws<BadInputException>("(3, 2) has class 6",
-                                        [&] { read(folder.path("a.png")); }));
+  expectBadInput("(3, 2) has class 6", [&] { read(folder.path("a.png")); });
   writePng(folder.path("b.png"), cv::Mat(width, height, CV_8UC1, cv::Scalar(1)));
-  EXPECT_TRUE(throws<BadInputException>("3 x 4", [&] { read(folder.path("b.png")); }));
+  expectBadInput("3 x 4", [&] { read(folder.path("b.png")); });
 }

@@ -33,12 +33,10 @@ writeMap(const std::string& path, const Blocks& blocks,
          const ArchiveHeader& header = makeArchiveHeader(),
          const Eigen::Vector3d& origin = {1000, 0, 0})
 {
-  const auto archive = MapArchive::create(path, header);
-  putAll(blocks, *archive);
   ArchiveState state;
   state.cloud_origin = origin;
   state.finished = true;
-  archive->commit(state);
+  createWith(path, blocks, header, state);
 }
 
 // A block as fusion leaves it: clamped, the largest label log is 0.

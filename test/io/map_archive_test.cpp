@@ -59,11 +59,7 @@ TEST(MapArchive, ManyClassesAndParametersSurvive)
   header.parameters.fusion.free_dynamic = false;
   const TemporaryFolder folder;
   const VoxelBlock full = makeRandomBlock(kBlockVoxels, 255, 3);
-  {
-    const auto archive = MapArchive::create(folder.path("map"), header);
-    archive->put({0, 0, 0}, full);
-    archive->commit({});
-  }
+  createWith(folder.path("map"), {{VoxelIndex(0, 0, 0), full}}, header);
   const MapArchive archive(folder.path("map"), ArchiveAccess::read);
   EXPECT_TRUE(areSameBlocks(*archive.get({0, 0, 0}), full, 255));
   const MapParameters& read = archive.header().parameters;
@@ -83,9 +79,7 @@ TEST(MapArchive, WhatWaitsForACommitIsSeenAndLostWithoutOne)
   const std::string path = folder.path("map");
   Blocks blocks = makeRandomBlocks(60, 2);
   {
-    const auto archive = MapArchive::create(path, makeArchiveHeader());
-    putAll(blocks, *archive);
-    archive->commit({});
+    const auto archive = createWith(path, blocks);
     Blocks changed = blocks;
     for (auto& [index, block] : changed)
       if (index.x() % 2 == 0)
@@ -110,9 +104,7 @@ TEST(MapArchive, LongTransactionsAreStillOne)
   const VoxelBlock block = makeRandomBlock(512, 3, 5), other = makeRandomBlock(9, 3, 6);
   constexpr int count = 3000; // of 26 KB
   {
-    const auto archive = MapArchive::create(path, makeArchiveHeader());
-    archive->put({0, 0, 0}, other);
-    archive->commit({});
+    const auto archive = createWith(path, {{VoxelIndex(0, 0, 0), other}});
     for (int i = 0; i < count; ++i)
       archive->put({i, 0, 0}, block);
     EXPECT_TRUE(areSameBlocks(*archive->get({0, 0, 0}), block, 3));
@@ -233,9 +225,7 @@ TEST(MapArchive, AFullDiskLeavesTheLastCommit)
   const Blocks blocks = makeRandomBlocks(20, 1);
   const VoxelBlock block = makeRandomBlock(512, 3, 2);
   {
-    const auto archive = MapArchive::create(path, makeArchiveHeader());
-    putAll(blocks, *archive);
-    archive->commit({});
+    const auto archive = createWith(path, blocks);
     const FullDisk full(fs::file_size(path) + 400000);
     const std::string message = refusalOf([&] {
       for (int i = 0; i < 100000; ++i) {
@@ -323,9 +313,8 @@ TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
   fs::copy_file(path, copy);
   for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
     for (int time = 0; time < 2; ++time) // the first must not hide it from the second
-      EXPECT_TRUE(
-          holds(thrownMessage<BadInputException>([&] { MapArchive(copy, access); }),
-                copy + ": lacks " + copy + "-wal, which holds the last commits"));
+      expectBadInput(copy + ": lacks " + copy + "-wal, which holds the last commits",
+                     [&] { MapArchive(copy, access); });
   EXPECT_THROW(verifyArchive(copy), BadInputException);
   fs::copy_file(path + "-wal", copy + "-wal");
   expectHolds(MapArchive(copy, ArchiveAccess::read), blocks);
@@ -341,22 +330,14 @@ TEST(MapArchive, TheLogOfAnotherArchiveIsRefused)
   const TemporaryFolder folder;
   const std::string killed = folder.path("killed"), whole = folder.path("whole");
   const Blocks blocks = makeRandomBlocks(20, 1);
+  EXPECT_TRUE(createWith(whole, blocks)->close());
   {
-    const auto writer = MapArchive::create(whole, makeArchiveHeader());
-    putAll(blocks, *writer);
-    writer->commit({});
-    EXPECT_TRUE(writer->close());
-  }
-  {
-    const auto writer = MapArchive::create(killed, makeArchiveHeader());
-    putAll(makeRandomBlocks(30, 2), *writer);
-    writer->commit({});
+    const auto writer = createWith(killed, makeRandomBlocks(30, 2));
     fs::copy_file(killed + "-wal", whole + "-wal");
   }
   for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
-    EXPECT_TRUE(
-        holds(thrownMessage<BadInputException>([&] { MapArchive(whole, access); }),
-              "is complete, but " + whole + "-wal is of another archive"));
+    expectBadInput("is complete, but " + whole + "-wal is of another archive",
+                   [&] { MapArchive(whole, access); });
   EXPECT_THROW(verifyArchive(whole), BadInputException);
   fs::remove(whole + "-wal");
   expectHolds(MapArchive(whole, ArchiveAccess::read), blocks);

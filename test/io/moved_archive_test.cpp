@@ -3,8 +3,6 @@
 #include "support/archives.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
-
 #include <gtest/gtest.h>
 
 namespace pcl_semantic {
@@ -46,9 +44,7 @@ protected:
   void
   SetUp() override
   {
-    const auto archive = MapArchive::create(path_, makeArchiveHeader());
-    putAll(blocks_, *archive);
-    archive->commit({});
+    createWith(path_, blocks_);
   }
 
   const VoxelBlock*
@@ -65,23 +61,16 @@ protected:
 
 } // namespace
 
-TEST_F(MovedMap, StaysWithoutAMotion)
-{
-  const Blocks still = movedBlocks(path_, Eigen::Isometry3d::Identity());
-  ASSERT_EQ(still.size(), blocks_.size());
-  for (const auto& [index, block] : still)
-    EXPECT_TRUE(areSameBlocks(block, blocks_.at(index), classes));
-}
-
 TEST_F(MovedMap, KeepsEveryBitByWholeBlocks)
 {
-  const VoxelIndex blocks(5, -3, 1);
-  const Eigen::Isometry3d motion(
-      Eigen::Translation3d(blocks.cast<double>() * kBlockEdge * voxel_size));
-  const Blocks moved = movedBlocks(path_, motion);
-  ASSERT_EQ(moved.size(), blocks_.size());
-  for (const auto& [index, block] : moved)
-    EXPECT_TRUE(areSameBlocks(block, blocks_.at(index - blocks), classes));
+  for (const VoxelIndex& blocks : {VoxelIndex(0, 0, 0), VoxelIndex(5, -3, 1)}) {
+    const Eigen::Isometry3d motion(
+        Eigen::Translation3d(blocks.cast<double>() * kBlockEdge * voxel_size));
+    const Blocks moved = movedBlocks(path_, motion);
+    ASSERT_EQ(moved.size(), blocks_.size());
+    for (const auto& [index, block] : moved)
+      EXPECT_TRUE(areSameBlocks(block, blocks_.at(index - blocks), classes));
+  }
 }
 
 // Computes each voxel from the source of its centre.
@@ -139,9 +128,8 @@ TEST_F(MovedMap, IsWhatAVoxelsCentreComesFrom)
 TEST_F(MovedMap, MovesNoFartherThanIndicesReach)
 {
   const Eigen::Isometry3d motion(Eigen::Translation3d(0.0, 1e9, 0.0));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { MovedArchive(path_, motion); }),
-            "expected at most 2.5e+08 voxels"));
+  expectBadInput("expected at most 2.5e+08 voxels",
+                 [&] { MovedArchive(path_, motion); });
 }
 
 } // namespace pcl_semantic

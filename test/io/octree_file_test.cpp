@@ -6,7 +6,6 @@
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/octree_file.h>
 
 #include <gtest/gtest.h>
@@ -126,9 +125,8 @@ TEST(Octree, RefusesWhatItCannotHold)
   for (const int far : {-32769, 32768}) {
     VoxelScene scene = emptyScene();
     addVoxel(scene, {0, far, 0}, 1);
-    EXPECT_TRUE(holds(thrownMessage<BadInputException>(
-                          [&] { writeOctree(folder.path("a.bt"), scene); }),
-                      "reaches " + std::to_string(far) + " voxels"));
+    expectBadInput("reaches " + std::to_string(far) + " voxels",
+                   [&] { writeOctree(folder.path("a.bt"), scene); });
   }
   EXPECT_EQ(folder.entries(), 0u);
   VoxelScene edge = emptyScene();

@@ -30,12 +30,10 @@ protected:
         blocks[VoxelIndex(i + 20 * map, 2 * i, i % 4)] = makeRandomBlock(
             std::size_t(i % 2 ? 0 : 60), 3, unsigned(100 * map + i + 50));
       inputs_.push_back({folder_.path("map" + std::to_string(map)), still});
-      const auto archive = MapArchive::create(inputs_.back().path, makeArchiveHeader());
-      putAll(blocks, *archive);
       ArchiveState state;
       state.cloud_origin = {1000, 0, 0};
       state.finished = true;
-      archive->commit(state);
+      createWith(inputs_.back().path, blocks, makeArchiveHeader(), state);
     }
     mergeArchives(inputs_, whole_);
     fs::create_directories(folder_.path("tiles"));
@@ -95,10 +93,7 @@ TEST_F(MapInTiles, IsReadAsTheMergedMap)
   EXPECT_EQ(several.back(), nullptr);
   EXPECT_FALSE(tiled.contains({3000, 0, 0}));
   EXPECT_TRUE(verifyArchive(index_).empty());
-}
-
-TEST_F(MapInTiles, IsNoArchive)
-{
+  // But it is no archive.
   for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
     EXPECT_THROW(MapArchive(index_, access), std::runtime_error);
 }
@@ -157,7 +152,7 @@ TEST_F(MapInTiles, WithoutATileOrWithABadIndexIsRefused)
   const auto readAll = [&] { tiled->forEach([](const auto&, const auto&) {}); };
   fs::copy_file(tilePath(index_, tiles_[0]), tilePath(index_, tiles_[1]),
                 fs::copy_options::overwrite_existing);
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>(readAll), "has other blocks"));
+  expectBadInput("has other blocks", readAll);
   ASSERT_EQ(verifyArchive(index_).size(), 1u);
   EXPECT_TRUE(holds(verifyArchive(index_)[0], "has other blocks"));
   fs::remove(tilePath(index_, tiles_[1]));

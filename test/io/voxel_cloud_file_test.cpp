@@ -82,7 +82,7 @@ TEST(VoxelCloudFile, WithoutColoursThereIsNoFieldOfColours)
     EXPECT_EQ((*read.cloud)[i].label, (*voxels.cloud)[i].label);
 }
 
-TEST(VoxelCloudFile, ClassesGiveTheirColours)
+TEST(VoxelCloudFile, ClassesGiveTheirColoursIfThereIsAPoint)
 {
   const TemporaryFolder folder;
   const VoxelCloud voxels = makeVoxels();
@@ -93,11 +93,7 @@ TEST(VoxelCloudFile, ClassesGiveTheirColours)
     const std::array<std::uint8_t, 3> colour{point.r, point.g, point.b};
     ASSERT_EQ(colour, twoClasses()[Label(point.label)].colour);
   }
-}
-
-TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
-{
-  const TemporaryFolder folder;
+  // An empty map is a file, too.
   VoxelCloud empty;
   empty.refined = LabelDistributions(2, 0);
   writeVoxelCloud(folder.path("map.pcd"), empty, twoClasses(), VoxelColour::measured);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/pcd_file.h"
+#include "support/ascii_cloud.h"
 #include "support/random_scan.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
@@ -95,8 +96,8 @@ TEST(VoxelScene, FindsTheGridOfCentres)
   PcdTable table = readPcd(path);
   table.voxel_grid = {};
   writeCloudTable(path, table);
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
-                    "points are not voxel centres; give the voxel size"));
+  expectBadInput("points are not voxel centres; give the voxel size",
+                 [&] { readVoxelScene(path); });
   EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), voxels.size());
   voxels.moveToCentres();
   writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
@@ -115,9 +116,9 @@ TEST(VoxelScene, AsksForTheSizeIfTheHeadersGridIsSpoilt)
 {
   const TemporaryFolder folder;
   const std::string path = folder.write(
-      "a.pcd", "# voxel_grid 0.2 0 x 0\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"
-               "TYPE F F F\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA ascii\n"
-               "0.0137 0.0229 0.0571\n0.3313 0.1091 0.0717\n0.5353 0.1879 0.1997\n");
+      "a.pcd", "# voxel_grid 0.2 0 x 0\n" +
+                   asciiCloud("x y z", "0.0137 0.0229 0.0571\n0.3313 0.1091 0.0717\n"
+                                       "0.5353 0.1879 0.1997\n"));
   const std::string message =
       thrownMessage<BadInputException>([&] { readVoxelScene(path); });
   EXPECT_TRUE(holds(message, path));

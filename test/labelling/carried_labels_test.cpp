@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/refusal.h"
 #include "support/stereo_rigs.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/carried_labels.h>
@@ -54,10 +54,8 @@ TEST(CarryLabels, RefusesAnotherImage)
   StereoCamera larger = camera;
   ++larger.width;
   const LabelDistributions image = distinctPixels(camera);
-  using Invalid = InvalidParameterException;
-  expectRefusal<Invalid>("pixels for an image of",
-                         [&] { carryLabels(image, larger, {}); });
-  expectRefusal<Invalid>("point 0 is seen outside", [&] {
+  expectBadParameter("pixels for an image of", [&] { carryLabels(image, larger, {}); });
+  expectBadParameter("point 0 is seen outside", [&] {
     carryLabels(image, camera, {SeenPoint{0, camera.width, 1.0f}});
   });
   StereoCamera unsized = camera;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/plain_calibration.h"
-#include "support/refusal.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -150,14 +150,13 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
                                 int classes = 5, std::size_t points = 10) {
     LabelCalibration calibration = makeExperiencedCalibration();
     change(calibration);
-    expectRefusal<InvalidParameterException>(says, [&] {
+    expectBadParameter(says, [&] {
       calibrate(calibration, randomNetwork(classes, 10, 1), randomFeatures(points, 2));
     });
   };
-  expectRefused(
-      "of 5 classes: got 4 classes", [](auto&) {}, 4);
-  expectRefused(
-      "10 points, features of 9", [](auto&) {}, 5, 9);
+  const Change none = [](auto&) {};
+  expectRefused("of 5 classes: got 4 classes", none, 4);
+  expectRefused("10 points, features of 9", none, 5, 9);
   const std::string seen = "'seen' needs 5 fractions at each knot";
   const std::string order = "a feature has two curves, or comes out of order";
   for (const auto& [says, change] : std::vector<std::pair<std::string, Change>>{
@@ -191,9 +190,9 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
   // Logarithms would come out as probabilities.
   LabelDistributions bad = randomNetwork(5, 10, 1);
   bad.matrix()(2, 7) = -0.5f;
-  expectRefusal<BadInputException>(
-      "of point 7 has a negative or non-finite probability",
-      [&] { calibrate(makeExperiencedCalibration(), bad, randomFeatures(10, 2)); });
+  expectBadInput("of point 7 has a negative or non-finite probability", [&] {
+    calibrate(makeExperiencedCalibration(), bad, randomFeatures(10, 2));
+  });
 }
 
 // By hand: three pixels of class 2 at a quarter of the way, at a knot and beyond the

@@ -80,6 +80,12 @@ TEST(LogitsToDistributions, EqualsThePlainComputation)
     EXPECT_GT(unlabelled, size.area() / 20) << "both sides of the rule are tried";
     EXPECT_LT(unlabelled, size.area() / 2);
   }
+  // Probabilities are taken as they are.
+  const cv::Mat values = cv::abs(makeLogits(4, 5, 6, 1.0));
+  const ChannelClasses given{{3, 1, 3, 0}, 3, false};
+  EXPECT_LT(largestDifference(distributionsFromLogits(values, cv::Size(11, 9), given),
+                              plain(values, cv::Size(11, 9), given)),
+            2e-6);
 }
 
 TEST(LogitsToDistributions, HalfOfTheMassHasToBeLeft)
@@ -93,16 +99,6 @@ TEST(LogitsToDistributions, HalfOfTheMassHasToBeLeft)
   EXPECT_EQ(result.matrix()(0, 0), 1.0f) << "exactly half";
   EXPECT_EQ(result.matrix()(0, 1), 0.0f) << "less than half";
   EXPECT_EQ(result.matrix()(0, 2), 0.0f) << "nothing at all";
-}
-
-TEST(LogitsToDistributions, ProbabilitiesAreTakenAsTheyAre)
-{
-  cv::Mat values = makeLogits(4, 5, 6, 1.0);
-  values = cv::abs(values);
-  const ChannelClasses channels{{3, 1, 3, 0}, 3, false};
-  const LabelDistributions result =
-      distributionsFromLogits(values, cv::Size(11, 9), channels);
-  EXPECT_LT(largestDifference(result, plain(values, cv::Size(11, 9), channels)), 2e-6);
 }
 
 TEST(LogitsToDistributions, WhatIsNoProbabilityIsRefused)
@@ -120,8 +116,7 @@ TEST(LogitsToDistributions, WhatIsNoProbabilityIsRefused)
       if (channels.softmax && bad == -0.5f)
         convert();
       else
-        EXPECT_TRUE(holds(thrownMessage<BadInputException>(convert),
-                          "channel 1, row 2, column 3"));
+        expectBadInput("channel 1, row 2, column 3", convert);
     }
   }
 }

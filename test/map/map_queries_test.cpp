@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/ray_traversal.h"
 #include "support/random_scan.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <gtest/gtest.h>
@@ -276,6 +278,18 @@ TEST(MapQueries, AReaderSeesWholeScans)
   for (std::thread& reader : readers)
     reader.join();
   EXPECT_EQ(torn, 0);
+}
+
+TEST(MapDoubts, LengthsInOtherUnits)
+{
+  MapParameters parameters;
+  EXPECT_TRUE(doubtsOf(parameters).empty());
+  parameters.voxel_size = 20.0;
+  parameters.max_range = 4000.0;
+  const auto doubts = doubtsOf(parameters);
+  ASSERT_EQ(doubts.size(), 2u);
+  EXPECT_TRUE(holds(doubts[0], "voxel_size is 20 m"));
+  EXPECT_TRUE(holds(doubts[1], "max_depth is 4000 m"));
 }
 
 } // namespace

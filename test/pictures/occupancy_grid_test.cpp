@@ -284,10 +284,8 @@ TEST(OccupancyGrid, LeavesNothingWhereItCannotWrite)
   std::filesystem::create_directory(folder.path("a.yaml"));
   VoxelScene scene = emptyScene();
   addVoxel(scene, {0, 0, 0}, kRoad);
-  EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
-                      writeOccupancyGrid(folder.path("a.pgm"),
-                                         occupancyGrid(scene, parameters()));
-                    }),
-                    "a.yaml: cannot be written"));
+  expectRefusal<OutputException>("a.yaml: cannot be written", [&] {
+    writeOccupancyGrid(folder.path("a.pgm"), occupancyGrid(scene, parameters()));
+  });
   EXPECT_EQ(folder.entries(), 1u);
 }

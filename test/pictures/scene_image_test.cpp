@@ -111,8 +111,7 @@ TEST(VoxelScene, BinsTheCloudsOfOthers)
   const std::string path = folder.write(
       "a.pcd", pcd({"0.1 0.137 0.1 2 10", "0.4 0.2 0.3 1 30", "0.3 0.3 0.3 2 20",
                     "-0.171 0.45 0.1 3 7", "0.2 0.1 0.3 1 40"}));
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
-                    "--voxel-size"));
+  expectBadInput("--voxel-size", [&] { readVoxelScene(path); });
   const VoxelScene scene = readVoxelScene(path, {0.5, Eigen::Vector3d::Zero()});
   ASSERT_EQ(scene.voxels.size(), 2u);
   std::map<int, const pcl::PointXYZRGBL*> by_x;

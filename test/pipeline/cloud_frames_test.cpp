@@ -3,7 +3,6 @@
 #include "support/street_scans.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -139,35 +138,30 @@ TEST_F(CloudFrames, ColoursThatMeanNothingAreNotFused)
 TEST_F(CloudFrames, ACloudAndASourceOfPosesAreNeeded)
 {
   const auto mapper = makeMapper(std::nullopt);
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                      mapper->process(CloudFrame{{1, 0.1}, nullptr, {}, true});
-                    }),
-                    "frame 1: has no cloud"));
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { SemanticMapper(label_set_, config_, nullptr); }),
-                    "poses"));
+  expectBadParameter("frame 1: has no cloud", [&] {
+    mapper->process(CloudFrame{{1, 0.1}, nullptr, {}, true});
+  });
+  expectBadParameter("poses", [&] { SemanticMapper(label_set_, config_, nullptr); });
 }
 
 TEST_F(CloudFrames, WhatNeedsACameraIsRefused)
 {
   const auto mapper = makeMapper(std::nullopt);
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "made for clouds alone", [&] { mapper->process(StereoFrame()); }));
+  expectBadParameter("made for clouds alone", [&] { mapper->process(StereoFrame()); });
   CloudFrame other = frame(0);
   other.cloud->width = 104;
   other.cloud->height = 128;
-  EXPECT_TRUE(throws<BadInputException>(
+  expectBadInput(
       "frame 0: the cloud is 104 x 128, expected that of the camera, 208 x 64",
-      [&] { makeMapper(camera_)->process(other); }));
+      [&] { makeMapper(camera_)->process(other); });
   config_.max_deviation = 0.5;
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "max_deviation and deviation_scale are for stereo",
-      [&] { makeMapper(camera_); }));
+  expectBadParameter("max_deviation and deviation_scale are for stereo",
+                     [&] { makeMapper(camera_); });
   config_.max_deviation = 0.0;
   config_.crf = CRFModelType::hierarchical;
   config_.cliques = "superpixel";
-  EXPECT_TRUE(throws<InvalidParameterException>(
-      "superpixels are for clouds of a camera", [&] { makeMapper(std::nullopt); }));
+  expectBadParameter("superpixels are for clouds of a camera",
+                     [&] { makeMapper(std::nullopt); });
   EXPECT_NO_THROW(makeMapper(camera_));
 }
 

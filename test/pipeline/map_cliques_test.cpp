@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/map_cliques.h"
-#include "support/refusal.h"
+#include "support/thrown_message.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 
 #include <gtest/gtest.h>
@@ -187,12 +186,11 @@ TEST(MapCliques, RefusesWhatDoesNotFitTheLabelSet)
 {
   MapperConfig config = cubes();
   config.clique_exclude = "pole,lawn";
-  expectRefusal<InvalidParameterException>("class 'lawn' is not in the label set",
-                                           [&] { MapCliques(config, label_set); });
+  expectBadParameter("class 'lawn' is not in the label set",
+                     [&] { MapCliques(config, label_set); });
   MapCliques cliques(cubes(), label_set);
-  expectRefusal<InvalidParameterException>(
-      "clique calibration of 4 classes for a map of 3",
-      [&] { cliques.setCalibration(LabelCalibration::identity(4)); });
+  expectBadParameter("clique calibration of 4 classes for a map of 3",
+                     [&] { cliques.setCalibration(LabelCalibration::identity(4)); });
 }
 
 } // namespace

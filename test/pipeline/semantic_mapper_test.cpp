@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/known_frames.h"
-#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 #include "synthesize/labels.h"
@@ -109,7 +108,7 @@ meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_
 
 TEST_F(Street, PairsNeedTheirCamera)
 {
-  expectRefusal<InvalidParameterException>("need their camera", [] {
+  expectBadParameter("need their camera", [] {
     SemanticMapper(kitti11(), MapperConfig(), poses(), std::nullopt, labels());
   });
 }
@@ -245,7 +244,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
     EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
   }
-  expectRefusal<InvalidParameterException>("expected network_every = 1", [&] {
+  expectBadParameter("expected network_every = 1", [&] {
     config.crf = CRFModelType::hierarchical;
     LabelCalibration calibration;
     calibration.ground = {1};
@@ -313,7 +312,7 @@ TEST_F(Street, ANetworkThatIsBusyLeavesFramesWithoutLabels)
   EXPECT_TRUE(late.fuseLast());
   EXPECT_EQ(seen, std::vector<int>{0});
   EXPECT_FALSE(mapper.map().occupied().measured.matrix().isZero(0.0f));
-  expectRefusal<InvalidParameterException>("labels of 7 pixels", [&] {
+  expectBadParameter("labels of 7 pixels", [&] {
     mapper.addLabels(mapper.process(frame(3)), LabelDistributions(11, 7));
   });
 }

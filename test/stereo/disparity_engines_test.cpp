@@ -198,9 +198,8 @@ TEST(DisparityEngines, OthersAreRefused)
             "the stereo engine is 'orb', expected sgm, elas or sgbm");
   for (const std::string& name : disparityEngines())
     for (const int disparities : {0, -64, 8, 100, 1088})
-      EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                            [&] { makeDisparityEstimator(name, disparities); }),
-                        "disparities is " + std::to_string(disparities)));
+      expectBadParameter("disparities is " + std::to_string(disparities),
+                         [&] { makeDisparityEstimator(name, disparities); });
   EXPECT_EQ(thrownMessage<InvalidParameterException>(
                 [] { makeDisparityEstimator("sgm", 320); }),
             "semi-global matching: disparities is 320, expected 64, 128, 192 or 256");

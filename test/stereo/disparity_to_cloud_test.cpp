@@ -157,10 +157,8 @@ TEST(DisparityToCloud, RefusesNegativeAndNonFiniteDisparities)
                             std::numeric_limits<float>::quiet_NaN()}) {
     cv::Mat disparity = makeDisparity();
     disparity.at<float>(2, 3) = value;
-    EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
-                        disparityToCloud(disparity, makeImage(), makeCamera());
-                      }),
-                      "(3, 2)"));
+    expectBadInput("(3, 2)",
+                   [&] { disparityToCloud(disparity, makeImage(), makeCamera()); });
   }
 }
 

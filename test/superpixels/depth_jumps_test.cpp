@@ -158,13 +158,7 @@ TEST(DepthJumps, RefusesWhatDoesNotFit)
   thrownMessage<BadInputException>(
       [&] { splitAtDepthJumps(cv::Mat::zeros(7, 9, CV_8UC1), cloud, DepthJumps()); });
   for (const double bad : {-1.0, double(kNaN), 1e9}) {
-    EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                        DepthJumps({bad, 0.1}).validate();
-                      }),
-                      "passing distance"));
-    EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                        DepthJumps({0.5, bad}).validate();
-                      }),
-                      "near"));
+    expectBadParameter("passing distance", [&] { DepthJumps({bad, 0.1}).validate(); });
+    expectBadParameter("near", [&] { DepthJumps({0.5, bad}).validate(); });
   }
 }

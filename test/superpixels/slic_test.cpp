@@ -281,13 +281,10 @@ TEST(SlicCliques, RefusesAnUnorganizedCloudAndTakesAnEmptyOne)
   CliqueGenerator::Cloud cloud = organizedCloud(someImage(40, 20));
   cloud.width = 800;
   cloud.height = 1;
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { SlicCliques().generate(cloud); }),
-            "organized"));
+  expectBadInput("organized", [&] { SlicCliques().generate(cloud); });
   cloud.height = 2;
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { SlicCliques().generate(cloud); }),
-      "a height of 2, but 800 points"));
+  expectBadParameter("a height of 2, but 800 points",
+                     [&] { SlicCliques().generate(cloud); });
   EXPECT_TRUE(SlicCliques().generate(CliqueGenerator::Cloud()).empty());
 }
 
@@ -296,9 +293,8 @@ TEST(CliquesOfSegments, OtherNumbersAreRefused)
   for (const int number : {-1, 12, 1 << 30}) {
     cv::Mat1i segments(3, 4, 0);
     segments(1, 2) = number;
-    EXPECT_TRUE(holds(
-        thrownMessage<InvalidParameterException>([&] { cliquesOfSegments(segments); }),
-        "pixel (2, 1) has the segment " + std::to_string(number)));
+    expectBadParameter("pixel (2, 1) has the segment " + std::to_string(number),
+                       [&] { cliquesOfSegments(segments); });
   }
   EXPECT_THROW(cliquesOfSegments(cv::Mat1b(3, 4)), InvalidParameterException);
 }

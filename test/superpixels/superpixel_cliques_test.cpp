@@ -246,16 +246,12 @@ TEST_F(SuperpixelsOfAStreet, RefusesWhatDoesNotFit)
 {
   SuperpixelCliques generator;
   EXPECT_FALSE(generator.usesColour()); // of the voxels
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { generator.generate(pointsOf(voxels_[0])); }),
-                    "0 voxels"));
+  expectBadParameter("0 voxels", [&] { generator.generate(pointsOf(voxels_[0])); });
   const auto list = std::make_shared<Cloud>(*scans_[0].cloud);
   list->width = unsigned(list->size());
   list->height = 1;
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
-                      generator.setFrame(list, Eigen::Isometry3d::Identity());
-                    }),
-                    "organized"));
+  expectBadInput("organized",
+                 [&] { generator.setFrame(list, Eigen::Isometry3d::Identity()); });
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation().y() = double(kNaN);
   thrownMessage<BadInputException>([&] { generator.setFrame(scans_[0].cloud, pose); });
@@ -263,7 +259,5 @@ TEST_F(SuperpixelsOfAStreet, RefusesWhatDoesNotFit)
     thrownMessage<InvalidParameterException>([&] { generator.setVoxels({}, size); });
   SuperpixelParameters parameters;
   parameters.min_voxels = 0;
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { SuperpixelCliques other(parameters); }),
-                    "min_voxels"));
+  expectBadParameter("min_voxels", [&] { SuperpixelCliques other(parameters); });
 }

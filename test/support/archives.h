@@ -122,6 +122,18 @@ putAll(const Blocks& blocks, MapArchive& archive)
     archive.put(index, block);
 }
 
+/** \brief A new archive, open for writing, that has committed these blocks. */
+inline std::shared_ptr<MapArchive>
+createWith(const std::string& path, const Blocks& blocks,
+           const ArchiveHeader& header = makeArchiveHeader(),
+           const ArchiveState& state = {})
+{
+  std::shared_ptr<MapArchive> archive = MapArchive::create(path, header);
+  putAll(blocks, *archive);
+  archive->commit(state);
+  return archive;
+}
+
 /** \brief EXPECTs exactly these blocks, in order, from forEach() and get(). */
 inline void
 expectHolds(const BlockStore& store, const Blocks& blocks)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/process_limits.h"
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/images/image_file.h>
@@ -19,7 +20,6 @@ struct BadCase {
   /** \brief Damages a copy of the sequence. */
   using Damage = std::function<void(const std::string& street)>;
 
-  std::string what;
   int code;         ///< expected exit code
   std::string says; ///< part of the line expected on standard error
   /** \brief Options of `map STREET --output OUT` or, without a leading dash, a whole
@@ -67,7 +67,7 @@ expectNothingUnfinished(const std::string& output)
 inline void
 expectFails(const BadCase& bad)
 {
-  SCOPED_TRACE(bad.what);
+  SCOPED_TRACE(bad.says);
   const TemporaryFolder folder;
   const std::string street = folder.path("street"), output = folder.path("out");
   copyStreet(street);
@@ -85,6 +85,21 @@ expectFails(const BadCase& bad)
   expectNothingUnfinished(output);
   // Wrong options are reported before any output.
   EXPECT_FALSE(bad.code == 2 && !output_was_there && std::filesystem::exists(output));
+}
+
+/** \brief EXPECTs that a run ends with one line about the file that the disk, with room
+ * for so few bytes a file, had no room for. */
+inline void
+expectDiskFull(const std::string& command, rlim_t bytes, const std::string& path)
+{
+  const ToolResult result = [&] {
+    const FullDisk disk(bytes);
+    return runTool(command, kStartedAnew);
+  }();
+  EXPECT_EQ(result.code, 5) << result.text;
+  EXPECT_EQ(result.text, "pcl_semantic_" + command.substr(0, command.find(' ')) + ": " +
+                             path +
+                             ": could not be written completely (is the disk full?)\n");
 }
 
 inline void

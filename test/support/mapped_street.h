@@ -48,6 +48,17 @@ filesOfMap(const std::vector<std::string>& frames)
   return files;
 }
 
+/** \brief EXPECTs the same files in two folders of a map, except for the times. */
+inline void
+expectSameMaps(const std::string& a, const std::string& b)
+{
+  EXPECT_EQ(filesIn(a), filesIn(b));
+  for (const std::string& file : filesIn(a))
+    EXPECT_TRUE(file == "summary.json" ||
+                bytesOf(a + "/" + file) == bytesOf(b + "/" + file))
+        << file;
+}
+
 inline nlohmann::json
 readJson(const std::string& path)
 {

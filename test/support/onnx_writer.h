@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/kitti11.h"
+
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -129,6 +131,17 @@ struct PointwiseNetwork {
                        floatTensor("bias", {c}, bias));
   }
 };
+
+/** \brief The description of a PointwiseNetwork of the default size. */
+inline std::string
+smallNetworkYaml(const std::string& model, const std::string& channels)
+{
+  return "model: " + model + "\nlabel_set: " + kitti11 +
+         "\ninput: {name: image, width: 8, height: 6}\n"
+         "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
+         "deviation: [0.2, 0.2, 0.2]\nchannels: [" +
+         channels + "]\n";
+}
 
 /** \brief A network file with the size and channels described in data/networks. */
 inline std::string

@@ -42,6 +42,36 @@ makeCrfCloud(Eigen::Index count, unsigned seed)
   return result;
 }
 
+using CrfFilter = SemanticCRF<pcl::PointXYZRGBL>;
+
+/** \brief Refines a cloud with a prepared filter. \return the distributions
+ * \param[out] output the filter's cloud, if asked for */
+inline Eigen::MatrixXf
+refine(CrfFilter& crf, const CrfCloud& input,
+       pcl::PointCloud<pcl::PointXYZRGBL>* output = nullptr)
+{
+  pcl::PointCloud<pcl::PointXYZRGBL> own;
+  crf.setInputCloud(input.cloud);
+  crf.setLabelDistributions(input.distributions);
+  crf.filter(output ? *output : own);
+  return crf.getLabelDistributions().matrix();
+}
+
+inline CrfFilter
+filterWith(const SemanticCRFParameters& parameters)
+{
+  CrfFilter crf;
+  crf.setParameters(parameters);
+  return crf;
+}
+
+/** \brief The largest difference of two matrices' elements. */
+inline float
+largestDifference(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
+{
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
 inline pcl::Indices
 allIndices(std::size_t count)
 {

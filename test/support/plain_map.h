@@ -7,6 +7,8 @@
 
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <map>
 #include <set>
@@ -216,5 +218,24 @@ private:
   std::set<Key> labelled_;
   std::map<Key, Position> positions_;
 };
+
+/** \brief EXPECTs the same occupancy of every voxel, free ones too. */
+inline void
+expectSameOccupancy(const SemanticVoxelMap& map, const PlainMap& plain)
+{
+  std::size_t known = 0;
+  map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+    for (int offset = 0; offset < kBlockVoxels; ++offset) {
+      const VoxelIndex voxel = voxelAt(index, offset);
+      const auto found = plain.logOdds().find({voxel.x(), voxel.y(), voxel.z()});
+      ASSERT_EQ(block.log_odds[std::size_t(offset)],
+                found == plain.logOdds().end() ? kUnknown : found->second)
+          << voxel.transpose();
+      known += found != plain.logOdds().end();
+    }
+  });
+  EXPECT_EQ(known, plain.logOdds().size());
+  EXPECT_GT(known, 10000u);
+}
 
 } // namespace pcl_semantic

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/kitti11.h"
 #include "support/served_program.h"
 #include "support/thrown_message.h"
 

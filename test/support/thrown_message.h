@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/exceptions.h>
+
 #include <gtest/gtest.h>
 
 #include <exception>
@@ -48,6 +50,32 @@ template <typename Error, typename Body>
 throws(const std::string& part, Body&& body)
 {
   return holds(thrownMessage<Error>(body), part);
+}
+
+/** \brief The same, as a statement; a failure names the caller's line. */
+template <typename Error, typename Body>
+void
+expectRefusal(const std::string& part, Body&& body, const char* file = __builtin_FILE(),
+              int line = __builtin_LINE())
+{
+  const ::testing::ScopedTrace trace(file, line, part);
+  EXPECT_TRUE(throws<Error>(part, body));
+}
+
+template <typename Body>
+void
+expectBadInput(const std::string& part, Body&& body,
+               const char* file = __builtin_FILE(), int line = __builtin_LINE())
+{
+  expectRefusal<BadInputException>(part, body, file, line);
+}
+
+template <typename Body>
+void
+expectBadParameter(const std::string& part, Body&& body,
+                   const char* file = __builtin_FILE(), int line = __builtin_LINE())
+{
+  expectRefusal<InvalidParameterException>(part, body, file, line);
 }
 
 } // namespace pcl_semantic

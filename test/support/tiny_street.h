@@ -88,6 +88,20 @@ setWord(const std::string& path, std::size_t line, int word, const std::string& 
     stream << each << "\n";
 }
 
+/** \brief Makes a calibration of the sequence that of images of half the size. */
+inline void
+halveCamera(const std::string& calibration)
+{
+  for (std::size_t row = 1; row <= 4; ++row)
+    for (const int word : {2, 4, 5, 7, 8}) {
+      std::istringstream words(linesOf(calibration)[row - 1]);
+      std::string number;
+      for (int i = 0; i < word; ++i)
+        words >> number;
+      setWord(calibration, row, word, std::to_string(0.5 * std::stod(number)));
+    }
+}
+
 /** \brief A sequence of \a frames frames, made once per process. It repeats the images
  * of tinyStreet(); the camera moves 2 m per frame to the right, and in the second half
  * back, so that blocks that have left a small window enter it again. */
