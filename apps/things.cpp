@@ -21,7 +21,8 @@ using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
 const Usage usage{
-    "pcl_semantic_things", "IN OUT.pcd [options]",
+    "pcl_semantic_things",
+    "IN OUT.pcd [options]",
     R"(Finds the objects of a labelled cloud: groups of points of one class with gaps of
 at most --gap. OUT.pcd is IN with the field object (0 = none). Classes marked thing
 in the label set have objects; without a label set, all classes do.)",
@@ -58,7 +59,8 @@ parse(int argc, char** argv)
        {"min-points", withDefault(arguments.min_points),
         "minimum number of points of an object"},
        {"objects", arguments.objects, "output list of objects (.json)"},
-       {"boxes", arguments.boxes, "output boxes as lines, one colour per class (.ply)"}},
+       {"boxes", arguments.boxes,
+        "output boxes as lines, one colour per class (.ply)"}},
       {"input", "output"});
   refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
   refuseIf(arguments.label_set.empty() && !arguments.label_mapping.empty(),

@@ -80,8 +80,7 @@ writeLabelSet(const std::string& path, const LabelSet& label_set)
          << (each.thing ? ", thing: true" : "");
     if (each.gap > 0.0)
       text << ", gap: " << each.gap;
-    text
-         << "}\n";
+    text << "}\n";
   }
   writeTextFile(path, text.str());
 }

@@ -60,8 +60,8 @@ encodeLabelSet(const LabelSet& label_set)
     for (const std::uint8_t channel : each.colour)
       writer.put(channel);
     writer.put(static_cast<std::uint8_t>(each.sky));
-    writer.put(static_cast<std::uint8_t>(each.dynamic | each.thin << 1 |
-                                         each.thing << 2));
+    writer.put(
+        static_cast<std::uint8_t>(each.dynamic | each.thin << 1 | each.thing << 2));
   }
   return writer.bytes();
 }

@@ -142,8 +142,8 @@ private:
   }
 
   double squared_gap_;
-  std::vector<std::size_t> order_; // points by cube
-  std::vector<CubeKey> keys_;      // of the points
+  std::vector<std::size_t> order_;         // points by cube
+  std::vector<CubeKey> keys_;              // of the points
   std::vector<Eigen::Vector3d> positions_; // in this order
   std::vector<Cube> cubes_;
 };

@@ -77,7 +77,7 @@ const std::vector<std::string> verbs = [] {
   std::vector<std::string> all = {
       "synthesize", "map",    "evaluate", "crf",     "image_crf", "archive",
       "odometry",   "stereo", "label",    "cliques", "render",    "calibrate",
-      "export",     "cloud",  "rgbd",     "fleet",   "live",   "things"};
+      "export",     "cloud",  "rgbd",     "fleet",   "live",      "things"};
   // It may have been left out, or have nothing to draw on.
   if (fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view") &&
       runShell("command -v xvfb-run").code == 0)

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
-
-#include <pcl_semantic/files/cloud_file.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -18,8 +17,8 @@ street(const TemporaryFolder& folder)
   std::string text;
   int points = 0;
   const auto add = [&](double x, double y, double z, int label) {
-    text += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + " " +
-            std::to_string(label) + "\n";
+    text += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) +
+            " " + std::to_string(label) + "\n";
     ++points;
   };
   for (const double begin : {10.0, 16.0})
@@ -35,18 +34,17 @@ street(const TemporaryFolder& folder)
                                         "\nDATA ascii\n" + text);
 }
 
-const std::string label_set =
-    " --label-set " + std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/label_sets/kitti11.yaml";
+const std::string label_set = " --label-set " + std::string(PCL_SEMANTIC_SOURCE_DIR) +
+                              "/data/label_sets/kitti11.yaml";
 
 } // namespace
 
 TEST(ThingsTool, NumbersTwoCars)
 {
   const TemporaryFolder folder;
-  const std::string text =
-      succeed("things " + street(folder) + " " + folder.path("out.pcd") + label_set +
-              " --objects " + folder.path("o.json") + " --boxes " +
-              folder.path("boxes.ply"));
+  const std::string text = succeed(
+      "things " + street(folder) + " " + folder.path("out.pcd") + label_set +
+      " --objects " + folder.path("o.json") + " --boxes " + folder.path("boxes.ply"));
   EXPECT_TRUE(holds(text, "objects: 2\nmembers: 224\n")) << text;
   const PcdTable table = readPcd(folder.path("out.pcd"));
   const PcdColumn object(table, table.find("object"));
@@ -79,10 +77,10 @@ TEST(ThingsTool, RefusesInOneLine)
   expectFails("things " + in, 2, "expected IN OUT.pcd");
   expectFails("things " + in + out + " --gap 0", 2, "gap of objects: 0 m");
   expectFails("things " + in + out + " --min-points 0", 2, "--min-points is 0");
-  expectFails("things " + in + out + " --label-set " +
-                  folder.write("set.yaml",
-                               "classes:\n  - {name: road, colour: [1, 2, 3]}\n"),
-              3, "no class of the label set is marked thing");
+  expectFails(
+      "things " + in + out + " --label-set " +
+          folder.write("set.yaml", "classes:\n  - {name: road, colour: [1, 2, 3]}\n"),
+      3, "no class of the label set is marked thing");
   expectFails("things " + in + out + " --label-set " +
                   folder.write("few.yaml", "classes:\n  - {name: car, colour: [1, 2, "
                                            "3], thing: true}\n"),

@@ -36,8 +36,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZL>;
 Cloud::Ptr
 thingsOf(const std::string& sequence, const LabelSet& label_set)
 {
-  const LabelMapping mapping =
-      readLabelMapping("semantic_kitti_to_kitti11", label_set);
+  const LabelMapping mapping = readLabelMapping("semantic_kitti_to_kitti11", label_set);
   const Trajectory poses = readKittiTrajectory(sequence + "/poses.txt");
   const Eigen::Isometry3d T_camera0_laser =
       readKittiCalibration(sequence + "/calib.txt", KittiCameras::colour)

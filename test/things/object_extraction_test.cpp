@@ -212,8 +212,9 @@ TEST(ObjectExtraction, RefusesInvalidInput)
   extraction.setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{1}));
   EXPECT_THROW(extraction.extract(objects), InvalidParameterException);
   EXPECT_THROW(extraction.setGap(0.0), InvalidParameterException);
-  EXPECT_THROW(extraction.setLabelSet(LabelSet(std::vector<LabelClass>(1, {"road", {}}))),
-               InvalidParameterException);
+  EXPECT_THROW(
+      extraction.setLabelSet(LabelSet(std::vector<LabelClass>(1, {"road", {}}))),
+      InvalidParameterException);
 }
 
 } // namespace pcl_semantic

@@ -26,8 +26,8 @@ struct LabelClass {
   std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
   bool sky = false;                     ///< has no surface: casts no ray
   bool dynamic = false;                 ///< moves or can move
-  bool thin = false; ///< thinner than the neighbourhood of a CRF, such as a pole or
-                     ///< fence
+  bool thin = false;  ///< thinner than the neighbourhood of a CRF, such as a pole or
+                      ///< fence
   bool thing = false; ///< consists of objects that can be counted
   double gap = 0.0;   ///< between neighbouring points of an object [m]; 0 = the default
 };

@@ -74,9 +74,9 @@ private:
 };
 
 /** \brief Extracts the objects of a labelled cloud: for each class that is a thing, the
- * groups of points in which every point is at most a gap from another one. It is used as
- * pcl::EuclideanClusterExtraction and works on scans, on any other labelled cloud, and
- * on the clouds of a map.
+ * groups of points in which every point is at most a gap from another one. It is used
+ * as pcl::EuclideanClusterExtraction and works on scans, on any other labelled cloud,
+ * and on the clouds of a map.
  *
  * Points of different classes are never in one object. Points that are not finite, and
  * points without a label, are in none.

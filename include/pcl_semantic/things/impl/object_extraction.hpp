@@ -34,8 +34,8 @@ ObjectExtraction<PointT>::extract(std::vector<pcl::PointIndices>& objects)
                                       " has label " + std::to_string(point.label) +
                                       ", expected 0 to 255");
     if (isThing(Label(point.label)) && has_place(point))
-      points.push_back({point.getVector3fMap().template cast<double>(),
-                        Label(point.label), i});
+      points.push_back(
+          {point.getVector3fMap().template cast<double>(), Label(point.label), i});
   }
   objects = group(std::move(points));
   for (pcl::PointIndices& object : objects)
