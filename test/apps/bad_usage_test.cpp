@@ -79,6 +79,7 @@ TEST(BadUsage, OtherTools)
       {"no size", 2, "--size 9", "synthesize OUT --size 9"},
       {"empty size", 2, "0", "synthesize OUT --size 0x0"},
       {"seed", 2, "--seed -1", "synthesize OUT --seed -1"},
+      {"traffic", 2, "--traffic", "synthesize OUT --traffic -1"},
       {"noise", 2, "--label-noise nan", "synthesize OUT --label-noise nan"},
       {"below a file", 5, "calib.txt", "synthesize STREET/calib.txt/x --frames 1"},
       {"no predictions", 3, "none/000000.png: is missing", gt + "STREET/none" + set},
