@@ -62,11 +62,23 @@ constexpr Solid kRoundSign{Shape::ellipsoid, Material::sign, synthetic_sign};
 constexpr Solid kSquareSign{Shape::box, Material::sign, synthetic_sign};
 constexpr Solid kLimb{Shape::ellipsoid, Material::cloth, synthetic_pedestrian};
 
+// Names of the random sequences, one per kind of object and side of the street.
+enum Kind : std::uint32_t {
+  plots = 10,
+  parking = 20,
+  lamps = 30,
+  signs,
+  people,
+  woods,
+  traffic
+};
+
 // Adds the solids of one object after the other. An object has a position along the
 // road, a ground height and a heading.
 class ObjectBuilder {
 public:
-  ObjectBuilder(const RoadLine& line, std::uint32_t number) : road(line), seed(number)
+  ObjectBuilder(const RoadLine& line, std::uint32_t number, int first_object)
+      : road(line), seed(number), next_number_(first_object)
   {}
 
   const RoadLine& road;
@@ -84,6 +96,20 @@ public:
     object_ = hash(seed, static_cast<std::uint32_t>(std::lround(point.s * 1000.0)),
                    static_cast<std::uint32_t>(std::lround(point.t * 1000.0)));
     parts_ = 0;
+    number_ = 0;
+  }
+
+  // Starts the driving car of a number. Its texture does not depend on its position.
+  void
+  placeDriving(const RoadPoint& point, int number)
+  {
+    place(point);
+    if (point.t < 0.0) { // turns the rear, which is at +x, to the camera
+      sine_ = -sine_;
+      cosine_ = -cosine_;
+    }
+    object_ = hash(seed, traffic, static_cast<std::uint32_t>(number));
+    next_number_ = number;
   }
 
   // \a width along the street, \a depth across [m].
@@ -144,14 +170,16 @@ public:
     add(kBoards, {-0.5 * length, 0, 0.0}, {0.12, 0.14, height + 0.12}, colour * 0.8f);
   }
 
+  // \param[in] is_driving whether its front is at -x; else it is random
   void
-  car(Random& random)
+  car(Random& random, bool is_driving = false)
   {
+    number_ = next_number_++;
     const Vector3f paint = choose(kPaint, random);
     const double length = random.uniform(3.8, 4.6);
     const double width = random.uniform(1.68, 1.8);
     const bool estate = random.chance(0.4);
-    const double front = random.chance(0.5) ? 1.0 : -1.0;
+    const double front = random.chance(0.5) && !is_driving ? 1.0 : -1.0;
     add(kCarBody, {0, 0, 0.22}, {length, width, 0.42}, paint).taper.setConstant(-0.03);
     add(kCarBody, {0, 0, 0.64}, {length - 0.04, width + 0.02, 0.24}, paint).taper = {
         0.22, 0.12};
@@ -188,6 +216,7 @@ public:
   void
   pedestrian(Random& random)
   {
+    number_ = next_number_++;
     const Vector3f coat = choose(kCloth, random);
     const double stride = random.uniform(0.1, 0.22);
     for (const double side : {-1.0, 1.0}) {
@@ -217,6 +246,7 @@ private:
     solid.material = kind.material;
     solid.label = kind.label;
     solid.id = std::max(hash(object_, ++parts_), 1u);
+    solid.object = number_;
     solid.cosine = cosine_;
     solid.sine = sine_;
     solid.half = 0.5 * size;
@@ -232,16 +262,8 @@ private:
   double sine_ = 0.0;
   std::uint32_t object_ = 0; // identifies the object
   std::uint32_t parts_ = 0;
-};
-
-// Names of the random sequences, one per kind of object and side of the street.
-enum Kind : std::uint32_t {
-  plots = 10,
-  parking = 20,
-  lamps = 30,
-  signs,
-  people,
-  woods
+  int next_number_; // of the next car or pedestrian
+  int number_ = 0;  // of the object, 0 = none
 };
 
 constexpr double kBegin = -24.0; // behind the first camera [m]
@@ -380,13 +402,31 @@ buildWoods(ObjectBuilder& builder, double end)
 } // namespace
 
 std::vector<Primitive>
-buildStreet(const RoadLine& road, double length, std::uint32_t seed)
+buildStreet(const RoadLine& road, double length, std::uint32_t seed, int first_object)
 {
-  ObjectBuilder builder(road, seed);
+  ObjectBuilder builder(road, seed, first_object);
   buildPlots(builder, length);
   buildParkedCars(builder, length);
   buildFurniture(builder, length);
   buildWoods(builder, length);
+  return builder.take();
+}
+
+std::vector<Primitive>
+buildTraffic(const RoadLine& road, double length, std::uint32_t seed,
+             const std::vector<DrivingCar>& cars, int frame)
+{
+  ObjectBuilder builder(road, seed, 1);
+  int number = 0;
+  for (const auto& [start, speed] : cars) {
+    ++number;
+    const RoadPoint point{start.s + speed * frame, start.t};
+    if (point.s < kBegin || point.s > length)
+      continue;
+    builder.placeDriving(point, number);
+    Random random(seed, hash(traffic, static_cast<std::uint32_t>(number)));
+    builder.car(random, true);
+  }
   return builder.take();
 }
 

@@ -25,6 +25,7 @@ struct Sample {
   double depth = 0.0;                ///< along the optical axis [m], 0 = sky
   std::uint32_t id = 0;              ///< solid, 0 = ground, 1 = sky
   Label label = synthetic_sky;
+  int object = 0; ///< car or pedestrian, 0 = none
 };
 
 /** \brief One camera looking at the street. */
@@ -56,6 +57,7 @@ public:
     sample.depth = surface.distance;
     sample.id = surface.id;
     sample.label = surface.label;
+    sample.object = surface.solid ? surface.solid->object : 0;
     sample.light = shade(surface);
     return sample;
   }
@@ -187,17 +189,20 @@ SyntheticRenderer::render(int frame, const Eigen::Isometry3d& T_world_camera) co
       view.T_world_camera * Eigen::Translation3d(camera_.baseline, 0.0, 0.0);
   const std::uint32_t noise = synthetic::hash(scene_.seed(), frame, 0xca3);
   std::vector<Sample> samples;
-  view.right = renderEye(Eye(scene_.street(), camera_, right_pose), camera_.width,
+  const Street street = scene_.street(frame);
+  view.right = renderEye(Eye(street, camera_, right_pose), camera_.width,
                          camera_.height, noise + 1, samples);
-  view.left = renderEye(Eye(scene_.street(), camera_, view.T_world_camera),
-                        camera_.width, camera_.height, noise, samples);
+  view.left = renderEye(Eye(street, camera_, view.T_world_camera), camera_.width,
+                        camera_.height, noise, samples);
   view.disparity.create(camera_.height, camera_.width, CV_32FC1);
   view.labels.create(camera_.height, camera_.width, CV_8UC1);
+  view.objects.create(camera_.height, camera_.width, CV_32SC1);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double depth = samples[i].depth;
     const double disparity = depth > 0.0 ? camera_.fx * camera_.baseline / depth : 0.0;
     view.disparity.ptr<float>()[i] = static_cast<float>(disparity);
     view.labels.ptr<Label>()[i] = samples[i].label;
+    view.objects.ptr<int>()[i] = samples[i].object;
   }
   return view;
 }

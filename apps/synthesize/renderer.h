@@ -16,6 +16,7 @@ struct SyntheticView {
   cv::Mat right;     ///< CV_8UC3 (BGR), camera 3
   cv::Mat disparity; ///< CV_32FC1, of the left image [px], 0 = none (sky)
   cv::Mat labels;    ///< CV_8UC1, SyntheticClass of the left image
+  cv::Mat objects;   ///< CV_32SC1, number of the car or pedestrian, 0 = none
   StereoCamera camera;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity(); ///< left camera
 };
@@ -44,7 +45,8 @@ public:
   SyntheticView render(int frame) const;
 
   /** \brief Renders the frame from another pose, for a pair mounted elsewhere.
-   * \param[in] T_world_camera pose of its left camera */
+   * \param[in] T_world_camera pose of its left camera
+   * \throws InvalidParameterException if the frame does not exist */
   SyntheticView render(int frame, const Eigen::Isometry3d& T_world_camera) const;
 
 private:

@@ -43,7 +43,8 @@ struct Primitive {
   Shape shape = Shape::box;
   Material material = Material::wall;
   Label label = kUnlabelled;
-  std::uint32_t id = 0;                             ///< seeds texture and displacement
+  std::uint32_t id = 0; ///< seeds texture and displacement
+  int object = 0;       ///< number of the car or pedestrian; 0 = none
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(); ///< world frame [m]
   Eigen::Vector3d half = Eigen::Vector3d::Ones(); ///< half extents in its own axes [m]
   double cosine = 1.0;                            ///< of its heading
@@ -107,6 +108,12 @@ public:
 
   /** \brief Whether a primitive is within \a distance along a ray. */
   bool blocked(const Ray& ray, double distance) const;
+
+  const std::vector<Primitive>&
+  primitives() const
+  {
+    return primitives_;
+  }
 
 private:
   struct Node {

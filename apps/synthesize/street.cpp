@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace pcl_semantic::synthetic {
 
@@ -144,27 +146,46 @@ RoadLine::locate(const Eigen::Vector2d& position) const
   return best;
 }
 
-Street::Street(std::uint32_t seed, double length)
-    : seed_(seed), road_({0.0, -lane}, length + kLengthAhead, seed),
-      solids_(buildStreet(road_, length + kLengthAhead, seed))
+Street::Street(std::uint32_t seed, double length, int first_object)
+    : seed_(seed), length_(length + kLengthAhead), road_({0.0, -lane}, length_, seed),
+      standing_(
+          std::make_shared<BoxTree>(buildStreet(road_, length_, seed, first_object))),
+      driving_({})
 {}
+
+Street
+Street::withTraffic(const std::vector<DrivingCar>& traffic, int frame) const
+{
+  Street street = *this;
+  street.driving_ = BoxTree(buildTraffic(road_, length_, seed_, traffic, frame));
+  return street;
+}
 
 bool
 Street::nearest(const Ray& ray, Surface& surface) const
 {
   surface.distance = sight / ray.direction.norm();
   const bool ground = nearestGround(ray, surface);
-  const Primitive* solid = solids_.nearest(ray, surface.distance, surface.local_normal);
-  if (solid) {
-    surface.solid = solid;
-    surface.label = solid->label;
-    surface.material = solid->material;
-    surface.id = solid->id;
-    surface.point = ray.origin + surface.distance * ray.direction;
-    surface.local = solid->toLocal(surface.point - solid->centre);
-    surface.normal = solid->toWorld(surface.local_normal);
-  }
-  return ground || solid;
+  if (!ground)
+    surface.solid = nullptr;
+  nearestSolid(*standing_, ray, surface);
+  nearestSolid(driving_, ray, surface);
+  return ground || surface.solid;
+}
+
+void
+Street::nearestSolid(const BoxTree& solids, const Ray& ray, Surface& surface) const
+{
+  const Primitive* solid = solids.nearest(ray, surface.distance, surface.local_normal);
+  if (!solid)
+    return;
+  surface.solid = solid;
+  surface.label = solid->label;
+  surface.material = solid->material;
+  surface.id = solid->id;
+  surface.point = ray.origin + surface.distance * ray.direction;
+  surface.local = solid->toLocal(surface.point - solid->centre);
+  surface.normal = solid->toWorld(surface.local_normal);
 }
 
 bool
@@ -251,20 +272,90 @@ turn(double heading, double pitch)
 
 } // namespace
 
-SyntheticScene::SyntheticScene(std::uint32_t seed, int frames) : frames_(frames)
+std::vector<DrivingCar>
+makeTraffic(int cars)
+{
+  if (cars < 0 || cars > 1000)
+    fail<InvalidParameterException>("driving cars (--traffic): got ", cars,
+                                    ", expected 0 to 1000");
+  std::vector<DrivingCar> traffic;
+  for (int car = 0; car < cars; ++car) {
+    const int row = car / 2;
+    const double lane = synthetic::Street::lane;
+    if (car % 2 == 0) // ahead of the camera
+      traffic.push_back({{12.0 + 15.0 * row, lane}, 1.0});
+    else
+      traffic.push_back({{40.0 + 20.0 * row, -lane}, -0.9});
+  }
+  return traffic;
+}
+
+double
+SyntheticCar::distance(const Eigen::Vector3d& point) const
+{
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const synthetic::Primitive& part : parts) {
+    Eigen::Vector3d half = part.half;
+    half.head<2>() -= part.taper.cwiseMin(0.0); // wider at the top
+    const Eigen::Vector3d beyond = part.toLocal(point - part.centre).cwiseAbs() - half;
+    nearest = std::min(nearest, beyond.cwiseMax(0.0).norm());
+  }
+  return nearest;
+}
+
+SyntheticScene::SyntheticScene(std::uint32_t seed, int frames,
+                               std::vector<DrivingCar> traffic)
+    : frames_(frames), traffic_(std::move(traffic))
 {
   if (frames < 1 || frames > 100000)
     fail<InvalidParameterException>("frames of a synthetic scene: ", frames,
                                     ", expected 1 to 100000");
-  street_ = std::make_shared<synthetic::Street>(seed, frames * metres_per_frame);
+  for (const auto& [start, speed] : traffic_)
+    if (!std::isfinite(start.s) || !std::isfinite(start.t) || !std::isfinite(speed))
+      fail<InvalidParameterException>("a driving car: got s ", start.s, ", t ", start.t,
+                                      ", speed ", speed, ", expected finite numbers");
+  street_ = std::make_shared<synthetic::Street>(seed, frames * metres_per_frame,
+                                                int(traffic_.size()) + 1);
+}
+
+void
+SyntheticScene::checkFrame(int frame) const
+{
+  if (frame < 0 || frame >= frames_)
+    fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
+                                    frames_, " frames");
+}
+
+synthetic::Street
+SyntheticScene::street(int frame) const
+{
+  checkFrame(frame);
+  return street_->withTraffic(traffic_, frame);
+}
+
+std::vector<SyntheticCar>
+SyntheticScene::cars(int frame) const
+{
+  const synthetic::Street street = this->street(frame);
+  std::map<int, SyntheticCar> cars;
+  for (const auto* parts : {&street.driving(), &street.standing()})
+    for (const synthetic::Primitive& part : *parts)
+      if (part.label == synthetic_car) {
+        SyntheticCar& car = cars[part.object];
+        car.object = part.object;
+        car.is_driving = parts == &street.driving();
+        car.parts.push_back(part);
+      }
+  std::vector<SyntheticCar> sorted;
+  for (auto& [object, car] : cars)
+    sorted.push_back(std::move(car));
+  return sorted;
 }
 
 Eigen::Isometry3d
 SyntheticScene::pose(int frame) const
 {
-  if (frame < 0 || frame >= frames_)
-    fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
-                                    frames_, " frames");
+  checkFrame(frame);
   // A car weaves, pitches and bounces smoothly, with no deviation in frame 0.
   const double weave = sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI).second;
   const double nod = sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI).first;

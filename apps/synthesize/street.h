@@ -25,6 +25,8 @@ enum SyntheticClass : Label {
   synthetic_classes = 11 ///< number of classes
 };
 
+struct DrivingCar;
+
 } // namespace pcl_semantic
 
 namespace pcl_semantic::synthetic {
@@ -93,16 +95,21 @@ struct Surface {
   RoadPoint road;                   ///< ground only
 };
 
-/** \brief Geometry of the street: the ground along the road line, and all solids on
- * it. */
+/** \brief Geometry of the street in one frame: the ground along the road line, and all
+ * solids on it. Copies share the solids that stand. */
 class Street {
 public:
   static constexpr double road_height = -1.65; ///< z of the road, world frame [m]
   static constexpr double lane = -1.6;         ///< t of the camera's lane [m]
   static constexpr double sight = 400.0;       ///< limit of the ground [m]
 
-  /** \param[in] length distance driven by the camera [m] */
-  Street(std::uint32_t seed, double length);
+  /** \brief Makes the street without driving cars.
+   * \param[in] length distance driven by the camera [m]
+   * \param[in] first_object number of the first standing object */
+  Street(std::uint32_t seed, double length, int first_object = 1);
+
+  /** \brief The same street with driving cars, as in a frame. */
+  Street withTraffic(const std::vector<DrivingCar>& traffic, int frame) const;
 
   const RoadLine&
   road() const
@@ -116,6 +123,20 @@ public:
     return seed_;
   }
 
+  /** \brief The solids that stand. */
+  const std::vector<Primitive>&
+  standing() const
+  {
+    return standing_->primitives();
+  }
+
+  /** \brief The solids of the driving cars. */
+  const std::vector<Primitive>&
+  driving() const
+  {
+    return driving_.primitives();
+  }
+
   /** \brief Finds the first surface along a ray. \return false for the sky */
   bool nearest(const Ray& ray, Surface& surface) const;
 
@@ -123,22 +144,51 @@ public:
   bool
   inShadow(const Eigen::Vector3d& point, const Eigen::Vector3d& to_sun) const
   {
-    return solids_.blocked({point, to_sun}, 60.0);
+    return standing_->blocked({point, to_sun}, 60.0) ||
+           driving_.blocked({point, to_sun}, 60.0);
   }
 
 private:
+  void nearestSolid(const BoxTree& solids, const Ray& ray, Surface& surface) const;
+
   bool nearestGround(const Ray& ray, Surface& surface) const;
 
   void hitKerb(const Ray& ray, double above, double below, Surface& surface) const;
 
   std::uint32_t seed_;
+  double length_; ///< of the built part of the road [m]
   RoadLine road_;
-  BoxTree solids_;
+  std::shared_ptr<const BoxTree> standing_;
+  BoxTree driving_;
 };
 
 } // namespace pcl_semantic::synthetic
 
 namespace pcl_semantic {
+
+/** \brief A car that drives along the road with a constant speed. Right of the centre
+ * line it faces along the road, and left of it against the road. Its size and its
+ * colours depend on the seed of the street and on its index in the traffic. */
+struct DrivingCar {
+  synthetic::RoadPoint start; ///< centre of the car in frame 0
+  double speed = 0.0;         ///< change of s [m/frame]; negative for an oncoming car
+};
+
+/** \brief Places cars alternately in the camera's lane, slightly faster than the
+ * camera, and in the other lane, towards the camera.
+ * \throws InvalidParameterException unless 0 <= cars <= 1000 */
+std::vector<DrivingCar> makeTraffic(int cars);
+
+/** \brief A car in one frame. */
+struct SyntheticCar {
+  int object = 0;                          ///< number in SyntheticView::objects
+  bool is_driving = false;                 ///< whether it is one of the DrivingCars
+  std::vector<synthetic::Primitive> parts; ///< world frame [m]
+
+  /** \brief Distance from a point in the world frame to the boxes around its parts
+   * [m]; 0 inside. */
+  double distance(const Eigen::Vector3d& point) const;
+};
 
 /** \brief Point at which a ray meets the street. */
 struct SyntheticHit {
@@ -148,7 +198,7 @@ struct SyntheticHit {
 };
 
 /** \brief A procedural street with turns: road, kerbs, sidewalk, buildings, fences,
- * hedges, trees, poles, signs, parked cars and a few people.
+ * hedges, trees, poles, signs, parked cars and a few people. Cars may drive on it.
  *
  * World frame: x forward, y left, z up, origin at camera 0 of the first frame, which is
  * camera_height above the road. The camera drives in the right lane. The same seed
@@ -161,8 +211,12 @@ public:
   static constexpr double seconds_per_frame = 0.1;
 
   /** \param[in] frames number of frames that the street must be long enough for
-   * \throws InvalidParameterException unless 1 <= frames <= 100000 */
-  explicit SyntheticScene(std::uint32_t seed, int frames = 40);
+   * \param[in] traffic cars that drive; a car beyond the end of the built street is
+   * absent
+   * \throws InvalidParameterException unless 1 <= frames <= 100000, or if a position or
+   * a speed is not finite */
+  explicit SyntheticScene(std::uint32_t seed, int frames = 40,
+                          std::vector<DrivingCar> traffic = {});
 
   std::uint32_t
   seed() const
@@ -184,20 +238,23 @@ public:
    * in the axes of camera 0 of frame 0. */
   Eigen::Isometry3d kittiPose(int frame) const;
 
-  /** \brief Finds the first surface along origin + distance * direction, world
-   * frame. */
+  /** \brief Finds the first surface along origin + distance * direction, world frame,
+   * without driving cars. */
   SyntheticHit intersect(const Eigen::Vector3d& origin,
                          const Eigen::Vector3d& direction) const;
 
-  /** \brief The rendered geometry. */
-  const synthetic::Street&
-  street() const
-  {
-    return *street_;
-  }
+  /** \brief The rendered geometry of a frame. \throws as pose() */
+  synthetic::Street street(int frame) const;
+
+  /** \brief All cars of a frame, in the order of their numbers. The driving cars have
+   * the numbers from 1, in the order of the traffic. \throws as pose() */
+  std::vector<SyntheticCar> cars(int frame) const;
 
 private:
+  void checkFrame(int frame) const;
+
   int frames_;
+  std::vector<DrivingCar> traffic_;
   std::shared_ptr<const synthetic::Street> street_;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 const Usage usage{
     "pcl_semantic_synthesize",
-    "OUT [--frames N] [--size WxH] [--seed S] [--label-noise P]",
+    "OUT [--frames N] [--size WxH] [--seed S] [--traffic N] [--label-noise P]",
     R"(Renders a procedural street into a folder laid out like a sequence of KITTI's
 odometry benchmark, with true disparity, true labels and label distributions as
 a network would give them.)",
@@ -29,6 +29,7 @@ struct Options {
   int frames = 40;
   std::string size = "620x188";
   std::string seed = "1";
+  int traffic = 0;
   double label_noise = kSyntheticLabelNoise;
 };
 
@@ -44,6 +45,9 @@ parse(int argc, char** argv)
        {"size", withDefault(options.size), "size of the images, WIDTHxHEIGHT [px]"},
        {"seed", withDefault(options.seed),
         "random seed of the street; equal seeds give equal bytes"},
+       {"traffic", withDefault(options.traffic),
+        "number of driving cars, alternately ahead of the camera in its lane and "
+        "oncoming"},
        {"label-noise", withDefault(options.label_noise),
         "fraction of wrong labels, 0 (nearly perfect) to 1"}},
       {"output"});
@@ -83,7 +87,7 @@ synthesize(const Options& options)
                                     ": expected 0 to 1");
   const cv::Size size = parseSize(options.size);
   const std::uint32_t seed = parseSeed(options.seed);
-  const SyntheticScene scene(seed, options.frames);
+  const SyntheticScene scene(seed, options.frames, makeTraffic(options.traffic));
   const SyntheticRenderer renderer(scene, size.width, size.height);
   const std::string longer =
       options.output + "/image_2/" + frameFileName(options.frames, ".png");

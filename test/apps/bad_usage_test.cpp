@@ -70,6 +70,7 @@ TEST(BadUsage, OtherTools)
       {2, "--size 9", "synthesize OUT --size 9"},
       {2, "0", "synthesize OUT --size 0x0"},
       {2, "--seed -1", "synthesize OUT --seed -1"},
+      {2, "--traffic", "synthesize OUT --traffic -1"},
       {2, "--label-noise nan", "synthesize OUT --label-noise nan"},
       {5, "calib.txt", "synthesize STREET/calib.txt/x --frames 1"},
       {3, "none/000000.png: is missing", gt + "STREET/none" + of_kitti11},

@@ -311,6 +311,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
       {"IN/times.txt", "--poses IN/timed.txt"},
       {"IN/times.txt", "--poses IN/timed_world.txt"},
       {"IN/times.txt", "--poses IN/timed_street.txt"}}},
+    {"traffic", {{"2"}}},
     {"trajectory", {{"IN/moved.txt"}}},
     {"truth", {{"IN/one/labels"}}},
     {"truth-depth", {{"IN/one/depth", "--range 0:9"}}},
