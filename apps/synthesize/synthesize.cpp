@@ -18,7 +18,7 @@ namespace {
 
 const Usage usage{
     "pcl_semantic_synthesize",
-    "OUT [--frames N] [--size WxH] [--seed S] [--traffic N] [--label-noise P]",
+    "OUT [--frames N] [--size WxH] [--seed S] [--traffic N] [options]",
     R"(Renders a procedural street into a folder laid out like a sequence of KITTI's
 odometry benchmark, with true disparity, true labels and label distributions as
 a network would give them.)",
