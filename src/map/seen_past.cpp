@@ -147,14 +147,17 @@ findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan&
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t p = 0; p < places.size(); ++p)
     guard.run([&] {
-      const auto& [index, block] = places[p];
+      const VoxelIndex& index = places[p].index; // clang 14 captures no bindings
+      const VoxelBlock* const block = places[p].block;
       std::vector<Candidate>& here = found[p];
       for (int offset = 0; offset < kBlockVoxels; ++offset)
         if (reader.isOccupied(*block, offset)) {
+          const VoxelIndex voxel = index * kBlockEdge + placeInBlock(offset);
+          if (!isCertain(voxel, scan, sensor, voxel_size))
+            continue;
           // A CRF must not change the occupancy of a map.
           const Label label = reader.measuredLabel(*block, offset);
-          const VoxelIndex voxel = index * kBlockEdge + placeInBlock(offset);
-          if (dynamic[label] && isCertain(voxel, scan, sensor, voxel_size))
+          if (dynamic[label])
             here.push_back({voxel, grid.slotOf(index), offset, label});
         }
       std::optional<HitsAround> hits; // of the class before
