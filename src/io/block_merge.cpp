@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "block_merge.h"
 
+#include "map/block_reader.h"
 #include "map/voxel_fusion.h"
 
 #include <algorithm>
@@ -117,16 +118,6 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
     std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
 }
 
-// The label of fused log-probabilities, of which the largest is 0.
-Label
-labelOf(const float* measured, int classes)
-{
-  const float* const largest = std::max_element(measured, measured + classes);
-  return std::count(measured, measured + classes, *largest) == classes
-             ? kUnlabelled
-             : Label(largest - measured + 1);
-}
-
 // A moving object is hit in one map and seen past in another: free wins there.
 void
 freeDynamic(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
@@ -169,9 +160,8 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, const LabelSet& label_
     if (sources.empty())
       continue;
     mergeVoxel(sources, offset, classes, fusion, keeps_refined, merged);
-    const float* const measured =
-        merged.measured.data() + merged.recordAt(offset) * classes;
-    if (fusion.free_dynamic && label_set[labelOf(measured, classes)].dynamic)
+    if (fusion.free_dynamic &&
+        label_set[measuredLabel(merged, offset, classes)].dynamic)
       freeDynamic(blocks, std::size_t(offset), fusion,
                   merged.log_odds[std::size_t(offset)]);
   }

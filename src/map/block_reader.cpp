@@ -64,23 +64,23 @@ pointOf(const VoxelIndex& voxel, const VoxelRecord& record, const VoxelCloud& vo
 } // namespace
 
 Label
-BlockReader::label(const VoxelBlock& block, int offset) const
-{
-  const int record = block.recordAt(offset);
-  const Label refined = mapLabel(block.refined.data() + record * classes_, classes_);
-  return refined != kUnlabelled ? refined : measuredLabel(block, offset);
-}
-
-Label
-BlockReader::measuredLabel(const VoxelBlock& block, int offset) const
+measuredLabel(const VoxelBlock& block, int offset, int classes)
 {
   const int record = block.recordAt(offset);
   if (block.records[record].label_observations == 0)
     return kUnlabelled;
   // The largest log-probability is 0, the others are negative.
-  const float* const measured = block.measured.data() + record * classes_;
-  return static_cast<Label>(std::max_element(measured, measured + classes_) - measured +
+  const float* const measured = block.measured.data() + record * classes;
+  return static_cast<Label>(std::max_element(measured, measured + classes) - measured +
                             1);
+}
+
+Label
+BlockReader::label(const VoxelBlock& block, int offset) const
+{
+  const int record = block.recordAt(offset);
+  const Label refined = mapLabel(block.refined.data() + record * classes_, classes_);
+  return refined != kUnlabelled ? refined : measuredLabel(block, offset, classes_);
 }
 
 VoxelState

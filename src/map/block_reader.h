@@ -17,6 +17,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief MAP label of the measured distribution of a voxel with a record; kUnlabelled
+ * without labels.
+ * \param[in] classes L */
+Label measuredLabel(const VoxelBlock& block, int offset, int classes);
+
 /** \brief Reads the voxels of blocks as a map returns them. */
 class BlockReader {
 public:
@@ -45,9 +50,6 @@ public:
   /** \brief MAP label of an occupied voxel: refined if there is a refined distribution,
    * else measured; kUnlabelled if there is neither. */
   Label label(const VoxelBlock& block, int offset) const;
-
-  /** \brief The same without refined distributions. */
-  Label measuredLabel(const VoxelBlock& block, int offset) const;
 
   VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
                    int offset) const;

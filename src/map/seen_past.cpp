@@ -29,12 +29,6 @@ struct Candidate {
   Label label;
 };
 
-VoxelIndex
-placeInBlock(int offset)
-{
-  return {offset & 7, offset >> 3 & 7, offset >> 6};
-}
-
 Label
 labelOf(const Scan& scan, std::size_t point)
 {
@@ -45,11 +39,11 @@ labelOf(const Scan& scan, std::size_t point)
 using ClassFlags = std::array<bool, 256>;
 
 ClassFlags
-dynamicClasses(const LabelSet& label_set)
+classesWith(bool LabelClass::*mark, const LabelSet& label_set)
 {
   ClassFlags flags{};
   for (int label = 1; label <= label_set.size(); ++label)
-    flags[std::size_t(label)] = label_set[Label(label)].dynamic;
+    flags[std::size_t(label)] = label_set[Label(label)].*mark;
   return flags;
 }
 
@@ -76,7 +70,7 @@ public:
   {
     if (inside_[std::size_t(offset)])
       return true;
-    const VoxelIndex voxel = placeInBlock(offset);
+    const VoxelIndex voxel = voxelAt(VoxelIndex::Zero(), offset);
     for (int z = 0; z < 3; ++z)
       for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x)
@@ -103,8 +97,7 @@ private:
       const Label label = labelOf(scan_, hit->point);
       if (label != label_ && label != kUnlabelled)
         continue;
-      const VoxelIndex place =
-          placeInBlock(hit->offset) + step * kBlockEdge + VoxelIndex::Ones();
+      const VoxelIndex place = voxelAt(step, hit->offset) + VoxelIndex::Ones();
       if ((place.array() >= 0).all() && (place.array() < kEdge).all())
         on_class_.set(bitOf(place));
     }
@@ -121,16 +114,14 @@ bool
 isCertain(const VoxelIndex& voxel, const Scan& scan, const Eigen::Vector3d& sensor,
           double voxel_size)
 {
-  const double squared_distance =
-      ((voxel.cast<double>().array() + 0.5).matrix() * voxel_size - sensor)
-          .squaredNorm();
+  const double squared_distance = (centreOf(voxel, voxel_size) - sensor).squaredNorm();
   return kDeviations * scan.depth_error * squared_distance <= kLeastDistance;
 }
 
 // The candidates that no hit holds, by slot and offset.
 std::vector<Candidate>
-findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan& scan,
-               const Eigen::Vector3d& sensor, double voxel_size,
+findCandidates(const ClassFlags& dynamic, int classes, const BlockReader& reader,
+               const Scan& scan, const Eigen::Vector3d& sensor, double voxel_size,
                const RayCaster& caster, const RayCaster::Grid& grid)
 {
   struct Place {
@@ -152,11 +143,11 @@ findCandidates(const ClassFlags& dynamic, const BlockReader& reader, const Scan&
       std::vector<Candidate>& here = found[p];
       for (int offset = 0; offset < kBlockVoxels; ++offset)
         if (reader.isOccupied(*block, offset)) {
-          const VoxelIndex voxel = index * kBlockEdge + placeInBlock(offset);
+          const VoxelIndex voxel = voxelAt(index, offset);
           if (!isCertain(voxel, scan, sensor, voxel_size))
             continue;
           // A CRF must not change the occupancy of a map.
-          const Label label = reader.measuredLabel(*block, offset);
+          const Label label = measuredLabel(*block, offset, classes);
           if (dynamic[label])
             here.push_back({voxel, grid.slotOf(index), offset, label});
         }
@@ -350,21 +341,19 @@ freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
              const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
              const RayCaster& caster, RayCaster::Grid& grid)
 {
-  const ClassFlags dynamic = dynamicClasses(label_set);
+  const ClassFlags dynamic = classesWith(&LabelClass::dynamic, label_set);
   if (std::count(dynamic.begin(), dynamic.end(), true) == 0)
     return 0;
-  ClassFlags sky{};
-  for (int label = 1; label <= label_set.size(); ++label)
-    sky[std::size_t(label)] = label_set[Label(label)].sky;
   const int classes = label_set.size();
   const BlockReader reader(classes, parameters);
   const std::vector<Candidate> candidates =
-      findCandidates(dynamic, reader, scan, T_world_sensor.translation(),
+      findCandidates(dynamic, classes, reader, scan, T_world_sensor.translation(),
                      parameters.voxel_size, caster, grid);
   if (candidates.empty())
     return 0;
   const std::vector<std::uint32_t> rays =
-      countRays(candidates, scan, T_world_sensor, parameters.voxel_size, sky);
+      countRays(candidates, scan, T_world_sensor, parameters.voxel_size,
+                classesWith(&LabelClass::sky, label_set));
   const OccupancyUpdate occupancy(parameters.fusion);
   std::size_t freed = 0;
   for (std::size_t c = 0; c < candidates.size(); ++c) {

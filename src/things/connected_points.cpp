@@ -39,8 +39,7 @@ cubeOf(CubeKey key)
 bool
 isLower(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 {
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3,
-                                      std::less<>());
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
 // A cube with points: a range of the sorted positions.

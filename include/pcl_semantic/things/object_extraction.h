@@ -8,6 +8,7 @@
 #include <pcl/PointIndices.h>
 #include <pcl/pcl_base.h>
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
