@@ -261,7 +261,8 @@ TEST(ArchiveMerge, ACarThatLeftStaysAwayAndAParkedOneStays)
     std::size_t left = 0, parked = 0;
     const auto map = loadMap(merged);
     map->moveWindow({8, 0, 0});
-    for (const pcl::PointXYZRGBL& point : *map->occupied().cloud) {
+    const VoxelCloud occupied = map->occupied();
+    for (const pcl::PointXYZRGBL& point : *occupied.cloud) {
       left += point.label == 2 && std::abs(point.x - 6.1f) < 0.4f;
       parked += point.label == 2 && std::abs(point.x - 12.1f) < 0.4f;
     }

@@ -91,7 +91,8 @@ protected:
   moving() const
   {
     std::size_t count = 0;
-    for (const pcl::PointXYZRGBL& point : *map_.occupied().cloud)
+    const VoxelCloud occupied = map_.occupied();
+    for (const pcl::PointXYZRGBL& point : *occupied.cloud)
       count += point.label == kMoving;
     return count;
   }
