@@ -36,6 +36,15 @@ toJson(const ObjectSummary& object, const LabelSet& label_set)
   json["yaw_box"] = {{"centre", toJson(object.yaw_box.centre)},
                      {"size", toJson(object.yaw_box.size)},
                      {"yaw", object.yaw_box.yaw}};
+  if (const auto& track = object.track) {
+    json["first_frame"] = track->first_frame;
+    json["last_frame"] = track->last_frame;
+    json["frames"] = track->frames;
+    json["state"] = track->moving ? "moving" : "still";
+    json["motion"] = toJson(track->motion);
+    if (track->speed >= 0.0) // false for NaN
+      json["speed"] = track->speed;
+  }
   return json;
 }
 

@@ -8,6 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -27,7 +29,17 @@ struct YawBox {
  * \param[in] points one or more [m] */
 YawBox smallestBox(const std::vector<Eigen::Vector3d>& points);
 
-/** \brief An object of a labelled cloud, in the frame of the cloud. */
+/** \brief What is known of an object that was tracked over frames. */
+struct ObjectTrack {
+  int first_frame = 0, last_frame = 0; ///< numbers of the frames that saw it
+  int frames = 0;                      ///< number of frames that saw it
+  bool moving = false;                 ///< its place changed in the last frames
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero(); ///< to the next frame [m]
+  double speed = std::numeric_limits<double>::quiet_NaN(); ///< [m/s]; NaN = unknown
+};
+
+/** \brief An object of a labelled cloud, in the frame of the cloud, or of a map, in the
+ * world frame. */
 struct ObjectSummary {
   std::uint32_t id = 0;                             ///< from 1
   Label label = kUnlabelled;                        ///< its class
@@ -36,6 +48,7 @@ struct ObjectSummary {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(); ///< mean of its points [m]
   Eigen::AlignedBox3d box;                          ///< axis-aligned [m]
   YawBox yaw_box;
+  std::optional<ObjectTrack> track; ///< of an object of a map
 };
 
 /** \brief Summarizes the points of an object, without id, label and probabilities.
