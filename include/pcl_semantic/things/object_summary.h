@@ -29,7 +29,7 @@ struct YawBox {
  * \param[in] points one or more [m] */
 YawBox smallestBox(const std::vector<Eigen::Vector3d>& points);
 
-/** \brief What is known of an object that was tracked over frames. */
+/** \brief Track of an object over the frames. */
 struct ObjectTrack {
   int first_frame = 0, last_frame = 0; ///< numbers of the frames that saw it
   int frames = 0;                      ///< number of frames that saw it
