@@ -244,7 +244,7 @@ void
 setParameters(const po::variables_map& values, ConfigParameters parameters)
 {
   for (ConfigParameter& parameter : parameters)
-    if (values.count(parameter.option()))
+    if (parameter.preset_default.empty() && values.count(parameter.option()))
       try {
         parameter.set(values[parameter.option()].as<std::string>(),
                       "--" + parameter.option());

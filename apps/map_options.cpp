@@ -41,6 +41,7 @@ voxel map, its classes rendered into the camera's images, pictures and a summary
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
+     {"things", "number the objects; writes objects.json and boxes.ply"},
      {"archive FILE", "archive of the map; --resume continues from it"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -68,6 +69,7 @@ of the frames are written.)",
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
+     {"things", "number the objects; writes objects.json and boxes.ply"},
      {"archive FILE", "archive of the map"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -118,7 +120,7 @@ inputsOf(MapInputs& inputs, MapProgram program)
 }
 
 std::vector<Option>
-outputsOf(MapOptions& options, MapProgram program)
+outputsOf(MapOptions& options, bool& things, MapProgram program)
 {
   MapOutputs& outputs = options.outputs;
   std::vector<Option> all = {
@@ -134,6 +136,10 @@ outputsOf(MapOptions& options, MapProgram program)
            : "archive file of the map; --resume continues a killed run from it"},
       {"archive-every", withDefault(outputs.archive.every),
        "commit to the archive every N frames"},
+      {"things", things,
+       "number the objects of the classes marked thing in the label set and follow "
+       "them "
+       "over the frames; writes objects.json and boxes.ply"},
       {"view", options.view, "show the map in a window while it grows"}};
   if (program == MapProgram::live) {
     all.emplace_back("every-frame", options.every_frame,
@@ -223,9 +229,9 @@ parseMapOptions(int argc, char** argv, MapProgram program)
                 {{"live", "the program pcl_semantic_live maps what comes"}});
   MapOptions options;
   std::string config;
-  bool print_config = false;
+  bool print_config = false, things = false;
   std::vector<Option> all = optionsOf(inputsOf(options.inputs, program));
-  for (Option& option : outputsOf(options, program))
+  for (Option& option : outputsOf(options, things, program))
     all.push_back(std::move(option));
   all.emplace_back("config", config, "parameter file (.yaml); options override it");
   all.emplace_back("print-config", print_config,
@@ -236,6 +242,7 @@ parseMapOptions(int argc, char** argv, MapProgram program)
                        parametersOf(options.config));
   readMapperConfig(config, options.config);
   setParameters(values, parametersOf(options.config));
+  options.config.things |= things;
   options.config.validate();
   if (print_config) {
     std::cout << printMapperConfig(options.config);

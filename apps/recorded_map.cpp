@@ -78,6 +78,8 @@ mapRecording(const MapOptions& options, OpenedInputs inputs)
     results.push_back({"pixels_without_depth", watch.unmeasured()});
   results.push_back({"map", outputs.folder + "/map.pcd"});
   results.push_back({"top_view", outputs.folder + "/top_view.png"});
+  if (options.config.things)
+    results.push_back({"objects", outputs.folder + "/objects.json"});
   if (options.inputs.hasCamera() && outputs.images)
     results.push_back({"overlays", outputs.folder + "/overlay"});
   results.push_back({"figures", outputs.folder + "/summary.json"});

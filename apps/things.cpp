@@ -11,6 +11,7 @@
 #include <pcl_semantic/things/object_extraction.h>
 #include <pcl_semantic/things/object_summary.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -109,20 +110,11 @@ summarize(const std::vector<pcl::PointIndices>& objects, const LabelledCloud& cl
   const CloudPositions positions(cloud);
   std::vector<ObjectSummary> summaries;
   for (const pcl::PointIndices& object : objects) {
-    std::vector<Eigen::Vector3d> points;
-    const int classes = cloud.distributions.classes();
-    Eigen::VectorXf sum = Eigen::VectorXf::Zero(classes);
-    for (const pcl::index_t i : object.indices) {
-      points.push_back(positions(std::size_t(i)));
-      if (classes > 0)
-        sum += cloud.distributions.matrix().col(i);
-    }
-    summaries.push_back(summarizeObject(points));
+    summaries.push_back(
+        summarizeObject(object.indices, std::cref(positions), cloud.distributions));
     ObjectSummary& summary = summaries.back();
     summary.id = std::uint32_t(summaries.size());
     summary.label = Label((*cloud.cloud)[std::size_t(object.indices.front())].label);
-    sum /= float(points.size());
-    summary.probabilities.assign(sum.data(), sum.data() + classes);
   }
   return summaries;
 }

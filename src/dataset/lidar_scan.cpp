@@ -82,10 +82,15 @@ readScanLabels(const std::string& path, int classes)
 }
 
 void
-writeScanLabels(const std::string& path, const std::vector<Label>& labels)
+writeScanLabels(const std::string& path, const std::vector<Label>& labels,
+                const std::vector<std::uint32_t>& objects)
 {
+  std::vector<std::uint32_t> values(labels.begin(), labels.end());
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (objects[i] <= kMaxScanObject)
+      values[i] |= objects[i] << 16;
   ByteWriter bytes;
-  bytes.putColumn(std::vector<std::uint32_t>(labels.begin(), labels.end()));
+  bytes.putColumn(values);
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
                       std::streamsize(bytes.bytes().size()));

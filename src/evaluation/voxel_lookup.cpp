@@ -135,6 +135,7 @@ MapLabels::MapLabels(const VoxelCloud& voxels) : lookup(voxels)
     measured.push_back(voxels.measured.mapLabel(Eigen::Index(i)));
     refined.push_back(requireLabel(voxels.cloud->points[i].label));
   }
+  objects = voxels.objects;
 }
 
 std::vector<Label>

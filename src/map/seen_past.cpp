@@ -359,13 +359,7 @@ freeSeenPast(const LabelSet& label_set, const MapParameters& parameters,
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     if (rays[c] < kLeastRays)
       continue;
-    VoxelBlock& block = *grid.at(candidates[c].slot);
-    block.changed = true;
-    occupancy.setFree(block.log_odds[std::size_t(candidates[c].offset)]);
-    const int record = block.recordAt(candidates[c].offset);
-    block.records[std::size_t(record)] = VoxelRecord();
-    std::fill_n(block.measured.begin() + record * classes, classes, 0.0f);
-    std::fill_n(block.refined.begin() + record * classes, classes, 0.0f);
+    freeVoxel(*grid.at(candidates[c].slot), candidates[c].offset, classes, occupancy);
     ++freed;
   }
   return freed;

@@ -404,6 +404,27 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
   // Otherwise it has left the window.
 }
 
+void
+SemanticVoxelMap::setFree(const std::vector<VoxelIndex>& voxels)
+{
+  const auto writing = state_->lock.write();
+  const OccupancyUpdate occupancy(state_->parameters.fusion);
+  for (const VoxelIndex& voxel : voxels)
+    if (VoxelBlock* const block = state_->grid.find(blockOf(voxel)))
+      freeVoxel(*block, voxelInBlock(voxel), state_->label_set.size(), occupancy);
+}
+
+Eigen::AlignedBox<int, 3>
+SemanticVoxelMap::window() const
+{
+  const auto reading = state_->lock.read();
+  const VoxelIndex& origin = state_->grid.origin();
+  if ((origin.array().abs() > kMaxVoxelIndex / kBlockEdge).any())
+    return {}; // no scan yet
+  const VoxelIndex first = kBlockEdge * origin;
+  return {first, first + kBlockEdge * state_->grid.size() - VoxelIndex::Ones()};
+}
+
 const LabelSet&
 SemanticVoxelMap::labelSet() const
 {

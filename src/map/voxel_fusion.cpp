@@ -190,4 +190,17 @@ VoxelMeasurement::fuseLabels(VoxelRecord& record, float* log_distribution)
   return true;
 }
 
+void
+freeVoxel(VoxelBlock& block, int offset, int classes, const OccupancyUpdate& occupancy)
+{
+  block.changed = true;
+  occupancy.setFree(block.log_odds[std::size_t(offset)]);
+  const int record = block.recordAt(offset);
+  if (record == VoxelBlock::kNoRecord)
+    return;
+  block.records[std::size_t(record)] = VoxelRecord();
+  std::fill_n(block.measured.begin() + record * classes, classes, 0.0f);
+  std::fill_n(block.refined.begin() + record * classes, classes, 0.0f);
+}
+
 } // namespace pcl_semantic

@@ -116,4 +116,10 @@ private:
   std::uint32_t colour_count_ = 0, position_count_ = 0;
 };
 
+/** \brief Makes a voxel free, without colour and labels.
+ * \param[in] offset of the voxel in its block
+ * \param[in] classes L */
+void freeVoxel(VoxelBlock& block, int offset, int classes,
+               const OccupancyUpdate& occupancy);
+
 } // namespace pcl_semantic

@@ -169,8 +169,13 @@ ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& indices,
                          const MapLabels& labels, const std::string& prefix,
                          const std::string& name) const
 {
+  std::vector<std::uint32_t> objects;
+  if (!labels.objects.empty())
+    for (const std::int32_t index : indices)
+      objects.push_back(
+          index == VoxelLookup::none ? 0 : labels.objects[std::size_t(index)]);
   writeScanLabels(path(prefix + name, frame, ".label"),
-                  labelsAt(indices, labels.refined));
+                  labelsAt(indices, labels.refined), objects);
   if (options_.measured)
     writeScanLabels(path(prefix + "measured_" + name, frame, ".label"),
                     labelsAt(indices, labels.measured));

@@ -19,7 +19,8 @@ namespace pcl_semantic {
  * `probabilities_at_depth` the class probabilities of labels_at_depth (.npy, float16).
  *
  * `scan_labels` (`.label`, 0 = no occupied voxel) contains the label of each scan
- * point's voxel in the map at that frame, `final_scan_labels` in the finished map.
+ * point's voxel in the map at that frame and, if objects are tracked, the number of its
+ * object. `final_scan_labels` contains those in the finished map.
  * `measured_scan_labels` and `final_measured_scan_labels` are without the CRF.
  * `network_scan_labels` contains the label of the point's pixel, hidden or not, or the
  * point's input label. \a within adds four folders, `near_scan_labels` and so on, with

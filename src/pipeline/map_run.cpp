@@ -355,7 +355,7 @@ MapRun::finish(MappingArchive& archive, MappingOutput* output, bool is_whole)
 {
   const std::size_t frames = frames_before_ + frames_mapped_;
   if (output)
-    output->finish(mapper_->map(),
+    output->finish(mapper_->map(), mapper_->objects(),
                    is_whole && (isLive() || frames == run_.frames.size()));
   constexpr double usual_shift = 1.0;
   if (output && output->domainShift() > usual_shift) {

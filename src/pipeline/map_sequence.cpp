@@ -23,7 +23,10 @@ mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
   inputs.predictor = std::move(predictor);
   MapRun run(std::move(inputs), config);
   run.run();
-  return run.map().occupiedEverywhere();
+  VoxelCloud voxels = run.map().occupiedEverywhere();
+  if (run.objects())
+    voxels.objects = run.objects()->numbers(voxels);
+  return voxels;
 }
 
 } // namespace pcl_semantic

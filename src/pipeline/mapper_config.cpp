@@ -32,6 +32,7 @@ MapperConfig::validate()
   makeCliqueGenerator(cliques, clique_parameters);
   map.validate();
   crf_parameters.validate();
+  objects.validate();
   makeDisparityEstimator(stereo, disparities); // checks both
   for (const auto& [name, value] : {std::pair("max_deviation", max_deviation),
                                     std::pair("deviation_scale", deviation_scale)})
@@ -125,6 +126,17 @@ parametersOf(MapperConfig& config)
        &config.clique_exclude}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
+  parameters.push_back({"things",
+                        "number the objects of the classes marked thing, see "
+                        "doc/things.md: true or false",
+                        &config.things, "false"});
+  parameters.push_back(
+      {"object_gap",
+       "maximum distance between neighbouring voxels of an object [m], "
+       "for classes without a gap in the label set",
+       &config.objects.gap});
+  parameters.push_back({"object_min_voxels", "minimum number of voxels of an object",
+                        &config.objects.min_voxels});
   parameters.push_back(
       {"threads", "number of threads; 0 = all processors", &config.threads});
   return parameters;

@@ -31,6 +31,9 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
       run.config.clique_parameters.superpixel.keep)
     badParameter("--archive and superpixel_keep exclude each other: an archive does "
                  "not store superpixels");
+  if (!options_.path.empty() && run.config.things)
+    badParameter("--archive and --things exclude each other: an archive does not store "
+                 "objects");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
   if (options_.path.empty())

@@ -13,6 +13,7 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/object_file.h>
 #include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pictures/map_images.h>
@@ -200,10 +201,15 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
 }
 
 void
-MappingOutput::finish(const SemanticVoxelMap& map, bool is_whole)
+MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
+                      bool is_whole)
 {
   replaceEarlierRun();
   VoxelCloud voxels = map.occupiedEverywhere();
+  if (objects) {
+    voxels.objects = objects->numbers(voxels);
+    writeThings(objects->summarize(voxels));
+  }
   writeFinalImages(voxels);
   if (centres_)
     voxels.moveToCentres();
@@ -219,6 +225,13 @@ MappingOutput::finish(const SemanticVoxelMap& map, bool is_whole)
   writePng(path("top_view.png"), drawTopView(voxels, positions, run_.label_set));
   writeSummary(voxels, is_whole);
   RunFolder::endRun(folder_, is_whole);
+}
+
+void
+MappingOutput::writeThings(const std::vector<ObjectSummary>& objects) const
+{
+  writeObjects(path("objects.json"), objects, run_.label_set);
+  writeBoxes(path("boxes.ply"), objects, run_.label_set);
 }
 
 void
@@ -291,6 +304,10 @@ MappingOutput::writeSummary(const VoxelCloud& voxels, bool is_whole) const
                        {"without_depth", total.invalid},
                        {"seen_through", total.seen_through}};
   summary["voxels"] = voxels.size();
+  if (!voxels.objects.empty()) {
+    const std::set<std::uint32_t> numbers(voxels.objects.begin(), voxels.objects.end());
+    summary["objects"] = numbers.size() - numbers.count(0);
+  }
   summary["voxel_size"] = voxels.voxel_size;
   summary["map_origin"] = toJson(voxels.origin);
   if (const double shift = domainShift(); shift >= 0.0) // false for NaN

@@ -104,6 +104,14 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
   }
 }
 
+bool
+affectsMap(const std::string& parameter, const MapperConfig& config)
+{
+  const bool is_of_objects =
+      parameter == "things" || parameter.rfind("object_", 0) == 0;
+  return parameter != "threads" && (config.things || !is_of_objects);
+}
+
 } // namespace
 
 std::string
@@ -119,7 +127,7 @@ describeRun(const MappingRun& run)
   describeLabelSet(run.label_set, text);
   MapperConfig config = run.config;
   for (const ConfigParameter& parameter : parametersOf(config))
-    if (parameter.name != "threads")
+    if (affectsMap(parameter.name, config))
       text << parameter.name << ": " << exactText(parameter) << "\n";
   return text.str();
 }

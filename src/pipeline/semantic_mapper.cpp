@@ -65,6 +65,8 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
 {
   if (!poses_)
     badParameter("a mapper needs a source of poses");
+  if (config_.things)
+    objects_ = std::make_unique<ObjectTracker>(label_set, config_.objects);
   if (camera_)
     camera_->validate();
   if (predictor_ && !camera_)
@@ -242,9 +244,22 @@ SemanticMapper::fuse(MappedFrame& mapped)
   else
     // finish() may run the CRF with it.
     cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
+  if (objects_)
+    times.measure("things", [&] { trackObjects(mapped); });
   ++frames_;
   if (callback_)
     callback_(mapped, map_);
+}
+
+void
+SemanticMapper::trackObjects(MappedFrame& mapped)
+{
+  objects_->update(mapped.voxels, map_.window(), mapped.frame);
+  if (!objects_->leftVoxels().empty()) {
+    map_.setFree(objects_->leftVoxels());
+    mapped.voxels = map_.occupied();
+  }
+  mapped.voxels.objects = objects_->numbers(mapped.voxels);
 }
 
 void

@@ -109,4 +109,22 @@ summarizeObject(const std::vector<Eigen::Vector3d>& points)
   return summary;
 }
 
+ObjectSummary
+summarizeObject(const pcl::Indices& indices,
+                const std::function<Eigen::Vector3d(std::size_t)>& position,
+                const LabelDistributions& distributions)
+{
+  std::vector<Eigen::Vector3d> points;
+  Eigen::VectorXf sum = Eigen::VectorXf::Zero(distributions.classes());
+  for (const pcl::index_t i : indices) {
+    points.push_back(position(std::size_t(i)));
+    if (!distributions.empty())
+      sum += distributions.matrix().col(i);
+  }
+  ObjectSummary summary = summarizeObject(points);
+  sum /= float(points.size());
+  summary.probabilities.assign(sum.data(), sum.data() + sum.size());
+  return summary;
+}
+
 } // namespace pcl_semantic

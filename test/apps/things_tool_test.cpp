@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/pcd_file.h"
-#include "support/run_tool.h"
-#include "support/temporary_folder.h"
+#include "support/bad_case.h"
+#include "support/mapped_street.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -90,6 +90,45 @@ TEST(ThingsTool, RefusesInOneLine)
                                            "3], gap: 1}\n"),
               3, "is only for classes with thing: true");
   EXPECT_FALSE(std::filesystem::exists(folder.path("no.pcd")));
+}
+
+TEST(ThingsOfAMap, AreInAllOutputs)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), map = folder.path("map");
+  copyStreet(street);
+  addScan(street);
+  succeed(
+      mapOf(street) + " --output " + map +
+      " --things --voxel-size 0.25 --object-min-voxels 5 --also scans --frames 0:1");
+  const auto objects = readJson(map + "/objects.json")["objects"];
+  ASSERT_GT(objects.size(), 0u);
+  EXPECT_EQ(readJson(map + "/summary.json")["objects"], objects.size());
+  EXPECT_TRUE(holds(bytesOf(map + "/boxes.ply"),
+                    "element edge " + std::to_string(12 * objects.size()) + "\n"));
+  const PcdTable table = readPcd(map + "/map.pcd");
+  const PcdColumn object(table, table.find("object"));
+  std::map<std::uint32_t, std::size_t> points;
+  for (std::size_t i = 0; i < table.width; ++i)
+    ++points[std::uint32_t(object(i))];
+  for (const auto& each : objects) {
+    EXPECT_EQ(points[each["id"]], each["points"].get<std::size_t>());
+    EXPECT_EQ(each["first_frame"], 0);
+    EXPECT_EQ(each["frames"], 1);
+    EXPECT_EQ(each["state"], "still");
+  }
+  EXPECT_EQ(points.size() - points.count(0), objects.size());
+  EXPECT_EQ(bytesOf(map + "/scan_labels/000000.label").size(), 8u);
+}
+
+TEST(ThingsOfAMap, NeedAClassMarkedThing)
+{
+  const TemporaryFolder folder;
+  const std::string set =
+      folder.write("set.yaml", replaceAll(bytesOf(kitti11), ", thing: true", ""));
+  expectFails(mapOf(tinyStreet()) + " --things --label-set " + set + " --output " +
+                  folder.path("map"),
+              2, "no class of the label set is marked thing");
 }
 
 } // namespace pcl_semantic

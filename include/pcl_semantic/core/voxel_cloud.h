@@ -28,7 +28,9 @@ struct VoxelCloud {
                                            ///< empty: unknown
   std::vector<VoxelIndex> indices;         ///< global voxel indices
   std::vector<std::uint32_t> observations; ///< scans that hit the voxel
-  double voxel_size = 0.0;                 ///< edge of a voxel [m]
+  std::vector<std::uint32_t> objects;      ///< number of the voxel's object, 0 = none;
+                                      ///< empty: unknown
+  double voxel_size = 0.0;                          ///< edge of a voxel [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]
 
   std::size_t

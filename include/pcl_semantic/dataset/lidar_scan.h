@@ -10,6 +10,7 @@
 #include <pcl/point_types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,14 @@ std::vector<Label> readSemanticKittiLabels(const std::string& path,
  * \throws BadInputException if it contains an incomplete label or a class beyond L */
 std::vector<Label> readScanLabels(const std::string& path, int classes);
 
+/** \brief Largest object number that fits into the format. */
+constexpr std::uint32_t kMaxScanObject = 0xFFFF;
+
 /** \brief Writes labels in the same format.
+ * \param[in] objects number of the object of each point, or empty. Numbers above
+ * kMaxScanObject are written as 0
  * \throws OutputException if the file cannot be written */
-void writeScanLabels(const std::string& path, const std::vector<Label>& labels);
+void writeScanLabels(const std::string& path, const std::vector<Label>& labels,
+                     const std::vector<std::uint32_t>& objects = {});
 
 } // namespace pcl_semantic

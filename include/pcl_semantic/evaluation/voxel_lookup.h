@@ -65,8 +65,9 @@ struct MapLabels {
   explicit MapLabels(const VoxelCloud& voxels);
 
   VoxelLookup lookup;
-  std::vector<Label> measured; ///< by index in the cloud
-  std::vector<Label> refined;  ///< by index in the cloud
+  std::vector<Label> measured;        ///< by index in the cloud
+  std::vector<Label> refined;         ///< by index in the cloud
+  std::vector<std::uint32_t> objects; ///< VoxelCloud::objects
 };
 
 /** \brief Converts indices of voxels to labels. VoxelLookup::none becomes kUnlabelled.

@@ -29,10 +29,11 @@ public:
   /** \param[in] count total number of voxels
    * \param[in] voxel_size [m]
    * \param[in] origin of their points, world frame [m]
+   * \param[in] has_objects whether to write the field `object`
    * \throws OutputException if the file cannot be written */
   VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                    VoxelColour colour, std::size_t count, double voxel_size,
-                   const Eigen::Vector3d& origin);
+                   const Eigen::Vector3d& origin, bool has_objects = false);
 
   /** \param[in] is_written selects voxels; empty = all */
   void write(const VoxelCloud& voxels, const std::vector<bool>& is_written = {});
@@ -47,12 +48,14 @@ private:
   LabelSet label_set_;
   VoxelColour colour_;
   std::size_t missing_;
+  bool has_objects_;
   std::vector<std::uint8_t> row_;
 };
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
- * observations. Without measured colour there is no rgba. The comment `# voxel_grid
+ * observations, and object if VoxelCloud::objects is set. Without measured colour there
+ * is no rgba. The comment `# voxel_grid
  * SIZE X Y Z` in the header gives the edge of a voxel and the lower corner of voxel 0
  * [m]: floor((point - corner) / size) is the index of a point's voxel.
  * \throws OutputException if the file cannot be written */

@@ -90,6 +90,14 @@ public:
    * \throws BadInputException if the centre is not finite or too far away */
   void moveWindow(const Eigen::Vector3d& centre);
 
+  /** \brief Makes voxels free, for example those that a moving object has left. They
+   * lose their colours and labels. Voxels outside the window keep their state. */
+  void setFree(const std::vector<VoxelIndex>& voxels);
+
+  /** \brief The window: its voxels from min() to max(), both inside; empty before the
+   * first scan. */
+  Eigen::AlignedBox<int, 3> window() const;
+
   /** \brief The occupied voxels of the window. */
   VoxelCloud occupied() const;
 

@@ -140,6 +140,13 @@ public:
     return mapper_->map();
   }
 
+  /** \brief The objects of the map, valid after run(); null without objects. */
+  const ObjectTracker*
+  objects() const
+  {
+    return mapper_->objects();
+  }
+
   /** \brief Number of frames in the archive before the run. */
   std::size_t
   framesBefore() const

@@ -7,6 +7,7 @@
 #include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/superpixels/clique_config.h>
+#include <pcl_semantic/things/object_tracker.h>
 
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ struct MapperConfig {
   std::string clique_exclude = "none"; ///< classes with commas between: voxels
                                        ///< that probably are one join no clique
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
+  bool things = false; ///< tracks the objects of classes marked `thing`
+  ObjectTracker::Parameters objects;
   int threads = 0; ///< 0 = all processors
 
   /** \brief Checks every value, and passes the voxel size on to the supervoxels.

@@ -71,11 +71,14 @@ public:
   void writeLive(const MappedFrame& mapped) const;
 
   /** \brief Writes map.pcd, map_classes.pcd, label_set.yaml, final_labels,
-   * top_view.png, trajectory.txt, summary.json.
+   * top_view.png, trajectory.txt, summary.json and, with objects, objects.json and
+   * boxes.ply.
+   * \param[in] objects of the map; null = none
    * \param[in] is_whole false if an error has ended the run: the summary then marks it
    * as unfinished, and an earlier map stays in `previous`
    * \throws OutputException if a file cannot be written */
-  void finish(const SemanticVoxelMap& map, bool is_whole = true);
+  void finish(const SemanticVoxelMap& map, const ObjectTracker* objects = nullptr,
+              bool is_whole = true);
 
   /** \brief Median of domainShift() over the frames: their distance from the training
    * data of the label calibration. NaN = unknown. */
@@ -87,6 +90,8 @@ private:
   void writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const;
 
   void writeFinalImages(const VoxelCloud& voxels) const;
+
+  void writeThings(const std::vector<ObjectSummary>& objects) const;
 
   void refuseForeignImages() const;
 

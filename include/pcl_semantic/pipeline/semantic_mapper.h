@@ -13,6 +13,7 @@
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
+#include <pcl_semantic/things/object_tracker.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
@@ -188,6 +189,13 @@ public:
     return map_;
   }
 
+  /** \brief The objects of the map; null unless MapperConfig::things. */
+  const ObjectTracker*
+  objects() const
+  {
+    return objects_.get();
+  }
+
 private:
   bool isRefinedAt(int frame) const;
 
@@ -219,6 +227,8 @@ private:
 
   void refineVoxels(VoxelCloud& voxels);
 
+  void trackObjects(MappedFrame& mapped);
+
   std::optional<StereoCamera> camera_;
   MapperConfig config_;
   std::unique_ptr<DisparityEstimator> stereo_;
@@ -227,6 +237,7 @@ private:
   std::optional<LabelCalibration> calibration_;
   SemanticVoxelMap map_;
   std::unique_ptr<MapCliques> cliques_;
+  std::unique_ptr<ObjectTracker> objects_;
   Callback callback_;
   int frames_ = 0;
   bool refined_ = true; // no measurement was added after the last run of the CRF

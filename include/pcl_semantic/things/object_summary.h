@@ -2,12 +2,15 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <Eigen/Geometry>
+#include <pcl/types.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -34,7 +37,7 @@ struct ObjectTrack {
   int first_frame = 0, last_frame = 0; ///< numbers of the frames that saw it
   int frames = 0;                      ///< number of frames that saw it
   bool moving = false;                 ///< its place changed in the last frames
-  Eigen::Vector3d motion = Eigen::Vector3d::Zero(); ///< to the next frame [m]
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();        ///< to the next frame [m]
   double speed = std::numeric_limits<double>::quiet_NaN(); ///< [m/s]; NaN = unknown
 };
 
@@ -54,5 +57,14 @@ struct ObjectSummary {
 /** \brief Summarizes the points of an object, without id, label and probabilities.
  * \param[in] points one or more [m] */
 ObjectSummary summarizeObject(const std::vector<Eigen::Vector3d>& points);
+
+/** \brief Summarizes an object of a cloud, without id and label.
+ * \param[in] indices one or more
+ * \param[in] position of a point [m]
+ * \param[in] distributions L x points of the cloud, or empty */
+ObjectSummary
+summarizeObject(const pcl::Indices& indices,
+                const std::function<Eigen::Vector3d(std::size_t)>& position,
+                const LabelDistributions& distributions);
 
 } // namespace pcl_semantic

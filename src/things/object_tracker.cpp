@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/things/object_tracker.h>
+
+#include "core/fail.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Number = std::uint32_t;
+
+template <typename T>
+using VoxelMapOf = std::unordered_map<VoxelIndex, T, VoxelIndexHash>;
+
+// Frames over which motion is measured, and after which a lost object has no predicted
+// place.
+constexpr int kMemory = 5;
+// Share of the voxels seen of an object that have to be free again if it moves.
+constexpr double kMovedShare = 0.5;
+// Gap between a place and the next one of an object with unknown motion [m/frame].
+constexpr double kMaxJump = 3.0;
+
+// What one frame saw of an object.
+struct Sighting {
+  int frame = 0; // counted from 0
+  double timestamp = 0.0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(); // of the hit points [m]
+  Eigen::AlignedBox3d box;                          // of the hit points [m]
+  std::vector<VoxelIndex> voxels;                   // those hit
+};
+
+struct Track {
+  Number number = 0;
+  Label label = kUnlabelled;
+  ObjectTrack summary;
+  int last_frame = 0;             // counted from 0
+  int last_moved = -2 * kMemory;  // last frame with evidence of motion
+  std::vector<VoxelIndex> voxels; // in any order
+  std::deque<Sighting> sightings; // of the last kMemory + 1 frames
+};
+
+// A group of voxels of one class in the present map.
+struct Component {
+  Label label = kUnlabelled;
+  pcl::Indices indices;
+  Sighting seen;                        // by the present frame
+  std::map<Number, std::size_t> shared; // voxels that are a track's, or will be
+  Track* track = nullptr;
+};
+
+struct Cell {
+  Number object = 0;
+  std::uint32_t observations = 0;
+};
+
+double
+gapBetween(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b)
+{
+  return a.exteriorDistance(b);
+}
+
+} // namespace
+
+void
+ObjectTracker::Parameters::validate() const
+{
+  if (!(gap > 0.0 && std::isfinite(gap)))
+    badParameter("object_gap is ", gap, ", expected a positive number");
+  if (min_voxels < 1)
+    badParameter("object_min_voxels is ", min_voxels, ", expected 1 or more");
+}
+
+struct ObjectTracker::State {
+  LabelSet label_set;
+  ObjectExtraction<pcl::PointXYZRGBL> extraction;
+  std::map<Number, Track> tracks;
+  VoxelMapOf<Cell> cells; // voxels of objects
+  Number last_number = 0;
+  int frames = 0;
+  std::vector<VoxelIndex> left;
+
+  std::vector<Component> components(const VoxelCloud& voxels);
+  VoxelMapOf<Number> predictions(double voxel_size) const;
+  Eigen::Vector3d predictedMotion(const Track& track) const;
+  std::vector<Component> split(Component component, const VoxelCloud& voxels,
+                               const VoxelMapOf<Number>& predicted) const;
+  void matchShared(std::vector<Component>& components);
+  void matchNear(std::vector<Component>& components);
+  void judgeMotion(Track& track, const Component& component, double voxel_size,
+                   const Window& window);
+  void take(Component& component, const VoxelCloud& voxels, const Window& window,
+            const VoxelMapOf<Number>& predicted, const FrameTime& frame);
+};
+
+ObjectTracker::ObjectTracker(const LabelSet& label_set, const Parameters& parameters)
+    : state_(std::make_unique<State>())
+{
+  parameters.validate();
+  state_->label_set = label_set;
+  state_->extraction.setLabelSet(label_set);
+  state_->extraction.setGap(parameters.gap);
+  state_->extraction.setMinClusterSize(std::size_t(parameters.min_voxels));
+}
+
+ObjectTracker::~ObjectTracker() = default;
+
+const std::vector<VoxelIndex>&
+ObjectTracker::leftVoxels() const
+{
+  return state_->left;
+}
+
+namespace {
+
+// Finds the voxels of a component that the frame hit: those with more observations
+// than before.
+void
+see(Component& component, const VoxelCloud& voxels, const VoxelMapOf<Cell>& cells)
+{
+  component.seen = Sighting();
+  for (const pcl::index_t index : component.indices) {
+    const auto i = std::size_t(index);
+    const auto cell = cells.find(voxels.indices[i]);
+    if (cell != cells.end() && cell->second.observations == voxels.observations[i])
+      continue;
+    const Eigen::Vector3d point =
+        (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
+    component.seen.centre += point;
+    component.seen.box.extend(point);
+    component.seen.voxels.push_back(voxels.indices[i]);
+  }
+  if (!component.seen.voxels.empty())
+    component.seen.centre /= double(component.seen.voxels.size());
+}
+
+} // namespace
+
+// The objects of the present map, without tracks.
+std::vector<Component>
+ObjectTracker::State::components(const VoxelCloud& voxels)
+{
+  std::vector<pcl::PointIndices> objects;
+  extraction.setInputCloud(voxels.cloud);
+  extraction.extract(objects);
+  std::vector<Component> found;
+  for (pcl::PointIndices& object : objects) {
+    Component component;
+    component.label = Label((*voxels.cloud)[std::size_t(object.indices.front())].label);
+    component.indices = std::move(object.indices);
+    found.push_back(std::move(component));
+  }
+  return found;
+}
+
+// Motion of a track from its last sighting to the present frame [m].
+Eigen::Vector3d
+ObjectTracker::State::predictedMotion(const Track& track) const
+{
+  if (!track.summary.moving)
+    return Eigen::Vector3d::Zero();
+  return track.summary.motion * double(frames - track.last_frame);
+}
+
+// The voxels in which moving objects should be now.
+VoxelMapOf<Number>
+ObjectTracker::State::predictions(double voxel_size) const
+{
+  VoxelMapOf<Number> predicted;
+  for (const auto& [number, track] : tracks) {
+    if (!track.summary.moving || frames - track.last_frame > kMemory)
+      continue;
+    const VoxelIndex shift =
+        (predictedMotion(track) / voxel_size).array().round().cast<int>();
+    for (const VoxelIndex& voxel : track.voxels)
+      predicted.emplace(voxel + shift, number);
+  }
+  return predicted;
+}
+
+// Divides a component that a moving object shares with another one.
+std::vector<Component>
+ObjectTracker::State::split(Component component, const VoxelCloud& voxels,
+                            const VoxelMapOf<Number>& predicted) const
+{
+  const bool has_moving = std::any_of(
+      component.shared.begin(), component.shared.end(),
+      [&](const auto& each) { return tracks.at(each.first).summary.moving; });
+  std::vector<Component> parts;
+  if (component.shared.size() < 2 || !has_moving) {
+    parts.push_back(std::move(component));
+    return parts;
+  }
+  std::map<Number, Component> part;
+  std::map<Number, Eigen::AlignedBox3d> place;
+  for (const auto& [number, count] : component.shared) {
+    const Track& track = tracks.at(number);
+    if (!track.sightings.empty())
+      place[number] = track.sightings.back().box;
+    place[number].translate(predictedMotion(track));
+  }
+  for (const pcl::index_t index : component.indices) {
+    const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
+    Number owner = 0;
+    if (const auto coming = predicted.find(voxel); coming != predicted.end())
+      owner = coming->second;
+    else if (const auto cell = cells.find(voxel); cell != cells.end())
+      owner = cell->second.object;
+    if (component.shared.count(owner) == 0) {
+      const Eigen::Vector3d point =
+          (*voxels.cloud)[std::size_t(index)].getVector3fMap().cast<double>() +
+          voxels.origin;
+      double nearest = HUGE_VAL;
+      for (const auto& [number, box] : place)
+        if (const double distance = box.squaredExteriorDistance(point);
+            distance < nearest) {
+          nearest = distance;
+          owner = number;
+        }
+    }
+    part[owner].indices.push_back(index);
+  }
+  for (auto& [number, each] : part) {
+    each.label = component.label;
+    each.shared[number] = each.indices.size();
+    parts.push_back(std::move(each));
+  }
+  return parts;
+}
+
+// Gives each component the track with which it shares most voxels; a track that shares
+// voxels with no other component joins the one of that component.
+void
+ObjectTracker::State::matchShared(std::vector<Component>& components)
+{
+  std::vector<std::tuple<std::size_t, Number, std::size_t>> pairs;
+  for (std::size_t c = 0; c < components.size(); ++c)
+    for (const auto& [number, count] : components[c].shared)
+      pairs.emplace_back(count, number, c);
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+    if (std::get<0>(a) != std::get<0>(b))
+      return std::get<0>(a) > std::get<0>(b);
+    return std::tie(std::get<1>(a), std::get<2>(a)) <
+           std::tie(std::get<1>(b), std::get<2>(b));
+  });
+  std::map<Number, bool> is_taken;
+  for (const auto& [count, number, c] : pairs)
+    if (!components[c].track && !is_taken[number]) {
+      components[c].track = &tracks.at(number);
+      is_taken[number] = true;
+    }
+  for (const auto& [count, number, c] : pairs)
+    if (!is_taken[number]) {
+      is_taken[number] = true;
+      Track& joined = tracks.at(number);
+      if (joined.summary.moving) // it may come into view again
+        continue;
+      Track& whole = *components[c].track;
+      whole.voxels.insert(whole.voxels.end(), joined.voxels.begin(),
+                          joined.voxels.end());
+      for (const VoxelIndex& voxel : joined.voxels)
+        cells[voxel].object = whole.number;
+      whole.summary.first_frame =
+          std::min(whole.summary.first_frame, joined.summary.first_frame);
+      whole.summary.frames = std::max(whole.summary.frames, joined.summary.frames);
+      tracks.erase(number);
+    }
+}
+
+// Gives each other component that the frame saw the nearest lost track of its class.
+void
+ObjectTracker::State::matchNear(std::vector<Component>& components)
+{
+  std::map<Number, bool> is_taken;
+  for (const Component& component : components)
+    if (component.track)
+      is_taken[component.track->number] = true;
+  std::vector<std::tuple<double, Number, std::size_t>> pairs;
+  for (const auto& [number, track] : tracks) {
+    const int since = frames - track.last_frame;
+    if (is_taken[number] || track.sightings.empty() || since > kMemory ||
+        !label_set[track.label].dynamic)
+      continue;
+    Eigen::AlignedBox3d place = track.sightings.back().box;
+    place.translate(predictedMotion(track));
+    const double reach = kMaxJump * (track.summary.moving ? 0.5 : 1.0) * since;
+    for (std::size_t c = 0; c < components.size(); ++c)
+      if (!components[c].track && components[c].label == track.label &&
+          !components[c].seen.voxels.empty())
+        if (const double gap = gapBetween(place, components[c].seen.box); gap < reach)
+          pairs.emplace_back(gap, number, c);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  for (const auto& [gap, number, c] : pairs)
+    if (!components[c].track && !is_taken[number]) {
+      components[c].track = &tracks.at(number);
+      is_taken[number] = true;
+    }
+}
+
+// Compares the present sighting of an object with an earlier one.
+void
+ObjectTracker::State::judgeMotion(Track& track, const Component& component,
+                                  double voxel_size, const Window& window)
+{
+  if (!label_set[track.label].dynamic || component.seen.voxels.empty() ||
+      track.sightings.empty())
+    return;
+  const Sighting& before = track.sightings.front();
+  std::size_t inside = 0, gone = 0;
+  for (const VoxelIndex& voxel : before.voxels)
+    if (window.contains(voxel)) {
+      ++inside;
+      gone += cells.count(voxel) == 0;
+    }
+  const Eigen::Vector3d motion =
+      (component.seen.centre - before.centre) / double(frames - before.frame);
+  const bool has_moved =
+      inside > 0 && double(gone) > kMovedShare * double(inside) &&
+      (component.seen.centre - before.centre).norm() > 3.0 * voxel_size;
+  if (has_moved)
+    track.last_moved = frames;
+  track.summary.moving = frames - track.last_moved < 3;
+  track.summary.motion = Eigen::Vector3d::Zero();
+  track.summary.speed = 0.0;
+  if (!track.summary.moving)
+    return;
+  track.summary.motion = motion;
+  const double seconds = component.seen.timestamp - before.timestamp;
+  track.summary.speed = seconds > 0.0
+                            ? (component.seen.centre - before.centre).norm() / seconds
+                            : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Updates the track of a component, and the cells of its voxels.
+void
+ObjectTracker::State::take(Component& component, const VoxelCloud& voxels,
+                           const Window& window, const VoxelMapOf<Number>& predicted,
+                           const FrameTime& frame)
+{
+  Track& track = *component.track;
+  track.label = component.label;
+  component.seen.frame = frames;
+  component.seen.timestamp = frame.timestamp;
+  judgeMotion(track, component, voxels.voxel_size, window);
+  std::vector<VoxelIndex> kept;
+  for (const VoxelIndex& voxel : track.voxels)
+    if (!window.contains(voxel))
+      kept.push_back(voxel);
+  for (const pcl::index_t index : component.indices) {
+    const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
+    const std::uint32_t observations = voxels.observations[std::size_t(index)];
+    if (track.summary.moving) {
+      const auto cell = cells.find(voxel);
+      const bool is_seen =
+          cell == cells.end() || cell->second.observations != observations;
+      const auto coming = predicted.find(voxel);
+      if (!is_seen && (coming == predicted.end() || coming->second != track.number)) {
+        left.push_back(voxel);
+        cells.erase(voxel);
+        continue;
+      }
+    }
+    kept.push_back(voxel);
+    cells[voxel] = {track.number, observations};
+  }
+  track.voxels = std::move(kept);
+  if (component.seen.voxels.empty())
+    return;
+  track.last_frame = frames;
+  track.summary.last_frame = frame.number;
+  ++track.summary.frames;
+  track.sightings.push_back(std::move(component.seen));
+  while (frames - track.sightings.front().frame > kMemory)
+    track.sightings.pop_front();
+}
+
+void
+ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
+                      const FrameTime& frame)
+{
+  State& state = *state_;
+  state.left.clear();
+  const VoxelMapOf<Number> predicted = state.predictions(voxels.voxel_size);
+  std::vector<Component> components;
+  VoxelMapOf<bool> present;
+  for (Component& whole : state.components(voxels)) {
+    for (const pcl::index_t index : whole.indices) {
+      const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
+      present[voxel] = true;
+      const auto cell = state.cells.find(voxel);
+      if (cell != state.cells.end())
+        ++whole.shared[cell->second.object];
+      const auto coming = predicted.find(voxel);
+      if (coming != predicted.end() &&
+          (cell == state.cells.end() || cell->second.object != coming->second))
+        ++whole.shared[coming->second];
+    }
+    for (Component& part : state.split(std::move(whole), voxels, predicted)) {
+      see(part, voxels, state.cells);
+      components.push_back(std::move(part));
+    }
+  }
+  // Voxels of the window that are no object's any more.
+  for (auto& [number, track] : state.tracks) {
+    const auto is_gone = [&](const VoxelIndex& voxel) {
+      return window.contains(voxel) && present.count(voxel) == 0;
+    };
+    for (const VoxelIndex& voxel : track.voxels)
+      if (is_gone(voxel))
+        state.cells.erase(voxel);
+    track.voxels.erase(
+        std::remove_if(track.voxels.begin(), track.voxels.end(), is_gone),
+        track.voxels.end());
+  }
+  state.matchShared(components);
+  state.matchNear(components);
+  for (Component& component : components) {
+    if (!component.track) {
+      Track track;
+      track.number = ++state.last_number;
+      track.summary.first_frame = frame.number;
+      component.track = &(state.tracks[track.number] = std::move(track));
+    }
+    state.take(component, voxels, window, predicted, frame);
+  }
+  // Voxels that changed their object are in two lists: only one has the cell.
+  for (auto track = state.tracks.begin(); track != state.tracks.end();) {
+    auto& list = track->second.voxels;
+    const Number number = track->first;
+    list.erase(std::remove_if(list.begin(), list.end(),
+                              [&](const VoxelIndex& voxel) {
+                                const auto cell = state.cells.find(voxel);
+                                return cell == state.cells.end() ||
+                                       cell->second.object != number;
+                              }),
+               list.end());
+    const bool is_over =
+        list.empty() && state.frames - track->second.last_frame > kMemory;
+    track = is_over ? state.tracks.erase(track) : std::next(track);
+  }
+  ++state.frames;
+}
+
+std::vector<std::uint32_t>
+ObjectTracker::numbers(const VoxelCloud& voxels) const
+{
+  std::vector<std::uint32_t> numbers(voxels.size(), 0);
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto cell = state_->cells.find(voxels.indices[i]);
+    if (cell != state_->cells.end() &&
+        state_->tracks.at(cell->second.object).label == (*voxels.cloud)[i].label)
+      numbers[i] = cell->second.object;
+  }
+  return numbers;
+}
+
+std::vector<ObjectSummary>
+ObjectTracker::summarize(const VoxelCloud& voxels) const
+{
+  const std::vector<std::uint32_t> all = numbers(voxels);
+  std::map<Number, pcl::Indices> members;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i] != 0)
+      members[all[i]].push_back(pcl::index_t(i));
+  std::vector<ObjectSummary> summaries;
+  for (const auto& [number, indices] : members) {
+    summaries.push_back(summarizeObject(
+        indices,
+        [&](std::size_t i) -> Eigen::Vector3d {
+          return (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
+        },
+        voxels.refined));
+    ObjectSummary& summary = summaries.back();
+    summary.id = number;
+    summary.label = state_->tracks.at(number).label;
+    summary.track = state_->tracks.at(number).summary;
+  }
+  return summaries;
+}
+
+} // namespace pcl_semantic
