@@ -335,6 +335,18 @@ TEST(SourceRules, FilesNameTheirLicense)
         << path;
 }
 
+// Eigen's square roots of floats begin with an approximation of the processor's, which
+// is another one on Intel's than on AMD's.
+TEST(SourceRules, SquareRootsAreExact)
+{
+  static const std::regex approximate("\\.(r?sqrt|cwiseSqrt)\\(\\)");
+  EXPECT_TRUE(std::regex_search("a.sqrt();", approximate));
+  EXPECT_TRUE(std::regex_search("a.matrix().cwiseSqrt()", approximate));
+  EXPECT_FALSE(std::regex_search("std::sqrt(a)", approximate));
+  for (const auto& [module, path] : codeFiles())
+    EXPECT_FALSE(std::regex_search(readText(path), approximate)) << path;
+}
+
 TEST(SourceRules, NoFlagChangesTheInstructionSet)
 {
   EXPECT_TRUE(hasInstructionSetFlag("add_compile_options(-O3 -march=native)\n"));

@@ -3,6 +3,7 @@
 #include "requirements.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pcl_semantic {
 
@@ -107,8 +108,10 @@ LatticeKernel::LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
     Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(1, size());
     addProduct(Eigen::MatrixXf::Ones(1, size()), sums);
     slice_scale_ = weight / sums.row(0).transpose().array();
+    // Eigen's sqrt() approximates, and gives other bits on other processors.
     if (normalization == Normalization::symmetric)
-      splat_scale_ = slice_scale_ = slice_scale_.sqrt();
+      splat_scale_ = slice_scale_ =
+          slice_scale_.unaryExpr([](float scale) { return std::sqrt(scale); });
   }
   diagonal_ = lattice_.self_responses * slice_scale_ * splat_scale_;
 }
