@@ -48,6 +48,19 @@ numberOf(const std::vector<std::uint8_t>& bytes, std::size_t i)
 
 } // namespace
 
+std::vector<std::uint32_t>
+readScanNumbers(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  if (bytes.size() % sizeof(std::uint32_t) != 0)
+    fail<BadInputException>(path, ": has ", bytes.size(),
+                            " bytes, expected uint32 for each point of a scan");
+  std::vector<std::uint32_t> numbers(bytes.size() / sizeof(std::uint32_t));
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    numbers[i] = numberOf(bytes, i);
+  return numbers;
+}
+
 std::vector<Label>
 readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
                         std::size_t count)
@@ -66,13 +79,10 @@ readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
 std::vector<Label>
 readScanLabels(const std::string& path, int classes)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  if (bytes.size() % sizeof(std::uint32_t) != 0)
-    fail<BadInputException>(path, ": has ", bytes.size(),
-                            " bytes, expected uint32 for each point of a scan");
-  std::vector<Label> labels(bytes.size() / sizeof(std::uint32_t));
+  const std::vector<std::uint32_t> numbers = readScanNumbers(path);
+  std::vector<Label> labels(numbers.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const std::uint32_t value = classOf(numberOf(bytes, i));
+    const std::uint32_t value = classOf(numbers[i]);
     if (value > std::uint32_t(classes))
       fail<BadInputException>(path, ": point ", i, " has class ", value,
                               ", expected 0 to ", classes);

@@ -82,6 +82,17 @@ TEST(ScanLabels, ComeBackAsWritten)
   expectBadInput("has 7 bytes", [&] { readScanLabels(path, 11); });
 }
 
+TEST(ScanNumbers, HaveClassAndObject)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.label");
+  writeArray<std::uint32_t>(path, {40, 259u | 65535u << 16}, 8);
+  EXPECT_EQ(readScanNumbers(path),
+            (std::vector<std::uint32_t>{40, 259u | 65535u << 16}));
+  writeArray<std::uint32_t>(path, {1, 2}, 7);
+  expectBadInput("a.label: has 7 bytes", [&] { readScanNumbers(path); });
+}
+
 TEST(FrameRange, HalfOpen)
 {
   const FrameRange range = parseFrameRange("3:7");

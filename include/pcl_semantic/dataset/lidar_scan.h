@@ -27,6 +27,12 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 pcl::PointCloud<pcl::PointXYZI>::Ptr readVelodyneScan(const std::string& path,
                                                       const ScanColumns& columns = {});
 
+/** \brief Reads the numbers of a file in SemanticKITTI's format: the lower 16 bits are
+ * the class, the upper ones the object (0 = none). Objects of different classes may
+ * have the same upper bits.
+ * \throws BadInputException if it contains an incomplete number */
+std::vector<std::uint32_t> readScanNumbers(const std::string& path);
+
 /** \brief Reads the labels of a scan in SemanticKITTI's format (`labels/\*.label`:
  * uint32 per point; the lower 16 bits are the class, the upper ones the instance).
  * \param[in] path file
