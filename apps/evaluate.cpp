@@ -3,6 +3,7 @@
 #include "files/is_there.h"
 #include "image_tool.h"
 #include "messages.h"
+#include "panoptic_evaluation.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -36,21 +37,36 @@ struct Options {
   std::vector<std::string> covered_by;   ///< empty = all pixels count
   std::vector<std::string> truth_depths; ///< `.png` or `.bin`, see readDepths()
   std::vector<std::string> ranges;
+  std::vector<std::string> scans; ///< for --panoptic; empty = no distances, no boxes
   std::string label_set, label_mapping;
   std::optional<std::string> ignore;
   std::string output, row;
-  bool header = false;
+  bool header = false, panoptic = false;
 };
 
 const Usage usage{
-    "pcl_semantic_evaluate", "--prediction DIR --truth DIR --label-set FILE [options]",
+    "pcl_semantic_evaluate",
+    "--prediction DIR --truth DIR --label-set FILE [options]",
     R"(Compares label images, or labels of scans (.label), with ground truth of the
 same names and prints IoU, recall and precision in percent. Exclusive figures
 count only pixels that the prediction covers (is not 0). Inclusive figures count
 uncovered pixels as misses. Several folders, given in the same order, are
-evaluated as one.)",
+evaluated as one. With --panoptic, compares the objects of scans instead.)",
     R"(pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \
-    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation)"};
+    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation)",
+    {{"prediction DIR", "predicted label images, or labels of scans"},
+     {"truth DIR", "ground truth labels (0 = none); each file needs a prediction"},
+     {"covered-by DIR", "count only pixels that are not 0 there"},
+     {"truth-depth DIR", "ground truth depth, for --range"},
+     {"range A:B", "count only ground truth with depth A <= z < B [m]"},
+     {"panoptic", "compare objects of scans: PQ, boxes, association"},
+     {"scans DIR", "points of the scans, for boxes and distances of --panoptic"},
+     {"label-set FILE", "label set (.yaml)"},
+     {"label-mapping FILE", "mapping from numbers in the ground truth to classes"},
+     {"ignore NAMES", "classes not evaluated, separated by commas, or none"},
+     {"output DIR", "folder for metrics.json and confusion.csv, or panoptic.json"},
+     {"row NAME", "print a row of a Markdown table with this name"},
+     {"header", "print the header of the Markdown table"}}};
 
 Options
 parse(int argc, char** argv)
@@ -72,6 +88,12 @@ parse(int argc, char** argv)
        {"range", options.ranges,
         "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
         "ranges"},
+       {"panoptic", options.panoptic,
+        "compare segments of scans, with object numbers in the upper 16 bits of their "
+        "labels: panoptic quality, recall of boxes, association over the frames"},
+       {"scans", options.scans,
+        "folder of the points of the scans (.bin), for distances and boxes of "
+        "--panoptic"},
        {"label-set", required(options.label_set), "label set (.yaml)"},
        {"label-mapping", options.label_mapping,
         "mapping from numbers in the ground truth to classes of the label set: file "
@@ -80,16 +102,23 @@ parse(int argc, char** argv)
         "none)"},
        {"ignore", ignore,
         "classes not evaluated, as numbers or names separated by commas, or none "
-        "(default: sky,pedestrian,cyclist, if in the label set)"},
-       {"output,o", options.output, "output folder for metrics.json and confusion.csv"},
+        "(default: sky,pedestrian,cyclist, if in the label set; with --panoptic none)"},
+       {"output,o", options.output,
+        "output folder for metrics.json and confusion.csv, or panoptic.json"},
        {"row", options.row, "print a row of a Markdown table with this name"},
        {"header", options.header, "print the header of the Markdown table"}});
+  refuseUnread(
+      values,
+      {{options.panoptic, "with --panoptic", {"truth-depth", "range", "row", "header"}},
+       {!options.panoptic, "without --panoptic", {"scans"}}});
   refuseIf(manner().json && (options.header || !options.row.empty()),
            "--json and a table in Markdown exclude each other");
   refuseIf(manner().json && options.ranges.size() > 1,
            "--json takes the figures of one --range");
   if (values.count("ignore"))
     options.ignore = ignore;
+  else if (options.panoptic)
+    options.ignore = "none";
   return options;
 }
 
@@ -274,10 +303,10 @@ void
 requireFittingOptions(const Options& options)
 {
   const std::size_t count = options.truths.size();
-  for (const auto& [name, folders] :
-       {std::pair("--prediction", &options.predictions),
-        std::pair("--covered-by", &options.covered_by),
-        std::pair("--truth-depth", &options.truth_depths)})
+  for (const auto& [name, folders] : {std::pair("--prediction", &options.predictions),
+                                      std::pair("--covered-by", &options.covered_by),
+                                      std::pair("--truth-depth", &options.truth_depths),
+                                      std::pair("--scans", &options.scans)})
     if (folders->size() != count && !folders->empty())
       fail<InvalidParameterException>("--truth and ", name, " are given ", count,
                                       " and ", folders->size(),
@@ -309,6 +338,19 @@ report(const Options& options, const ConfusionMatrix& confusion,
                  scoresJson(scores, label_set));
 }
 
+void
+evaluateSegments(const Options& options, const LabelSet& label_set,
+                 const PixelMapping& mapping, const std::vector<Label>& evaluated)
+{
+  const PanopticQuality quality = compareSegments(
+      {options.truths, options.predictions, options.covered_by, options.scans},
+      label_set, mapping, evaluated);
+  const std::string json = panopticJson(quality, evaluated, label_set);
+  if (!options.output.empty())
+    writeTextFile(options.output + "/panoptic.json", json);
+  printFigures(panopticTable(quality, evaluated, label_set), json);
+}
+
 int
 evaluate(const Options& options)
 {
@@ -322,6 +364,10 @@ evaluate(const Options& options)
   const std::vector<Label> evaluated = evaluatedClasses(options.ignore, label_set);
   if (!options.output.empty())
     makeOutputFolder(options.output);
+  if (options.panoptic) {
+    evaluateSegments(options, label_set, mapping, evaluated);
+    return exit_done;
+  }
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
                                      ConfusionMatrix(label_set.size()));
   for (std::size_t i = 0; i < options.truths.size(); ++i)

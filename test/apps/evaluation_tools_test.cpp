@@ -16,6 +16,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <regex>
 
 namespace pcl_semantic {
 
@@ -176,6 +177,134 @@ TEST_F(EvaluateTool, TakesLabelsOfScans)
   writeScanLabels(folder_.path("p/000003.label"), {3, 3, 1});
   expectFails(raw + label_mapping, 3, "000003.label: has 20 bytes, expected 12");
   expectFails(ours, 3, "has 3 x 1 pixels, the ground truth 5 x 1");
+}
+
+namespace {
+
+// A box of 64 points, 1 m wide, that begins at x.
+void
+addBox(std::string& scan, float x)
+{
+  for (int i = 0; i < 64; ++i) {
+    const float point[] = {x + float(i / 16) / 3.0f, float(i / 4 % 4) / 3.0f,
+                           float(i % 4) / 3.0f, 0.5f};
+    scan.append(reinterpret_cast<const char*>(point), sizeof(point));
+  }
+}
+
+// Numbers of 64 points each.
+std::string
+numbersOf(const std::vector<std::uint32_t>& numbers)
+{
+  std::string bytes;
+  for (const std::uint32_t number : numbers)
+    for (int i = 0; i < 64; ++i)
+      bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+  return bytes;
+}
+
+} // namespace
+
+TEST_F(EvaluateTool, ComparesObjectsOfScans)
+{
+  for (const char* const name : {"p", "t", "s", "c"})
+    fs::create_directories(folder_.path(name));
+  std::string scan;
+  for (const float x : {5.0f, 15.0f, 25.0f})
+    addBox(scan, x);
+  // In SemanticKITTI's numbers: a truck, a driving car and a road. Both objects are
+  // cars with the number 1. The second frame gives the truck another number and takes
+  // the car for a road.
+  const std::uint32_t truck = 18 | 1u << 16, driving = 252 | 1u << 16, road = 40;
+  for (const char* const name : {"000003", "000004"}) {
+    folder_.write("s/" + std::string(name) + ".bin", scan);
+    folder_.write("t/" + std::string(name) + ".label",
+                  numbersOf({truck, driving, road}));
+    folder_.write("c/" + std::string(name) + ".label", numbersOf({1, 0, 1}));
+  }
+  folder_.write("p/000003.label", numbersOf({6 | 7u << 16, 6 | 8u << 16, 3}));
+  folder_.write("p/000004.label", numbersOf({6 | 9u << 16, 3, 3}));
+  const std::string pair =
+      " --prediction " + folder_.path("p") + " --truth " + folder_.path("t");
+  const std::string command = "evaluate --panoptic" + of_kitti11 + label_mapping;
+  const std::string scans = " --scans " + folder_.path("s");
+
+  const auto tableOf = [](const std::string& arguments) {
+    return std::regex_replace(succeed(arguments), std::regex(" +"), " ");
+  };
+  const std::string text =
+      tableOf(command + pair + scans + " --output " + folder_.path("out"));
+  // The road is found in one of two frames.
+  for (const char* const line :
+       {"road 50.0 100.0 50.0 2 1 1 - -\n", "car 85.7 100.0 85.7 4 3 0 75.0 75.0\n",
+        "pedestrian - - - 0 0 0 - -\n", "things 85.7 100.0 85.7 4 3 0 75.0 75.0\n",
+        "all 67.9 100.0 67.9 6 4 1 75.0 75.0\n",
+        "0-10 m 100.0 100.0 100.0 2 2 0 100.0 100.0\n",
+        "10-20 m 66.7 100.0 66.7 2 1 0 50.0 50.0\n",
+        "association 37.5\nswitches 1\nobjects 2\n"})
+    EXPECT_TRUE(holds(text, line)) << text;
+  const auto json = nlohmann::json::parse(bytesOf(folder_.path("out/panoptic.json")));
+  EXPECT_EQ(json["classes"].size(), 11u);
+  EXPECT_EQ(json["classes"][5]["name"], "car");
+  EXPECT_EQ(json["classes"][5]["matched"], 3);
+  EXPECT_EQ(json["classes"][5]["distances"][1]["from"], 10.0);
+  EXPECT_EQ(json["classes"][5]["distances"][1]["box_recall_25"], 0.5);
+  EXPECT_NEAR(json["things"]["pq"], 6.0 / 7.0, 1e-12);
+  EXPECT_EQ(json["things"]["distances"].size(), 4u);
+  EXPECT_TRUE(json["classes"][0]["pq"].is_null());
+  EXPECT_EQ(json["switches"], 1);
+  EXPECT_EQ(nlohmann::json::parse(succeed(command + pair + scans + " --json")), json);
+
+  EXPECT_FALSE(holds(tableOf(command + pair), "10-20 m"));
+  // Two sequences: a number may mean another object in the second one.
+  EXPECT_TRUE(holds(tableOf(command + pair + pair), "switches 2\nobjects 4\n"));
+  EXPECT_TRUE(holds(tableOf(command + pair + " --ignore car"), "objects 0\n"));
+  const std::string covered =
+      tableOf(command + pair + " --covered-by " + folder_.path("c"));
+  EXPECT_TRUE(holds(covered, "car 100.0 100.0 100.0 2 2 0 - -\n"));
+  EXPECT_TRUE(holds(covered, "objects 1\n"));
+}
+
+TEST_F(EvaluateTool, RefusesObjectsThatDoNotFit)
+{
+  for (const char* const name : {"p", "t", "s", "none"})
+    fs::create_directories(folder_.path(name));
+  std::string scan;
+  addBox(scan, 5.0f);
+  folder_.write("s/000003.bin", scan);
+  folder_.write("t/000003.label", numbersOf({6 | 1u << 16}));
+  const std::string prediction =
+      folder_.write("p/000003.label", numbersOf({6 | 2u << 16}));
+  const std::string pair =
+      " --prediction " + folder_.path("p") + " --truth " + folder_.path("t");
+  const std::string command = "evaluate --panoptic" + of_kitti11 + pair;
+  succeed(command + " --scans " + folder_.path("s"));
+
+  for (const char* const option :
+       {"--row x", "--header", "--range 0:9", "--truth-depth d"})
+    expectFails(command + " " + option, 2, "has no effect with --panoptic");
+  expectFails("evaluate" + of_kitti11 + pair + " --scans " + folder_.path("s"), 2,
+              "--scans has no effect without --panoptic");
+  expectFails(command + " --scans s1 --scans s2", 2, "given 1 and 2 times");
+  expectFails(command + " --label-mapping colours", 3, "--label-mapping maps colours");
+  expectFails(command + " --scans " + folder_.path("none"), 3, "none/000003.bin");
+  expectFails(command + " --covered-by " + folder_.path("none"), 3,
+              "none/000003.label");
+  expectFails("evaluate --panoptic" + of_kitti11 + " --truth " + folder_.path("none") +
+                  " --prediction " + folder_.path("p"),
+              3, "none: holds no ground truth, expected 000000.label");
+  EXPECT_TRUE(holds(succeed(command + label_mapping), "nothing to compare with"));
+  folder_.write("s/000003.bin", scan.substr(16));
+  expectFails(command + " --scans " + folder_.path("s"), 3,
+              "s/000003.bin: has 63 points, expected 64 as ");
+  folder_.write("p/000003.label", numbersOf({6, 6}));
+  expectFails(command, 3, "p/000003.label: has 128 points, expected 64 as ");
+  folder_.write("p/000003.label", "12345");
+  expectFails(command, 3, "p/000003.label: has 5 bytes");
+  folder_.write("p/000003.label", numbersOf({12}));
+  expectFails(command, 3, "p/000003.label: point 0 has class 12, expected 0 to 11");
+  fs::remove(prediction);
+  expectFails(command, 3, "p/000003.label");
 }
 
 TEST_F(EvaluateTool, RefusesBadInput)

@@ -110,6 +110,9 @@ const std::vector<Mode> modes = {
     {"--crf hierarchical",
      "crf IN/map.pcd OUT/out.pcd --crf hierarchical --cliques cubes:1"},
     {"evaluate", "evaluate --prediction IN/one/labels --truth IN/gt" + of_kitti11},
+    {"--panoptic",
+     "evaluate --panoptic --prediction IN/objects --truth IN/true_objects" +
+         of_kitti11},
     {".bt", "export IN/one.map OUT/map.bt"},
     {".ply", "export IN/one.map OUT/map.ply"},
     {".pgm", "export IN/one.map OUT/map.pgm"},
@@ -185,7 +188,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"coloured", {{"OUT/coloured.pcd"}}},
     {"compare", {{"IN/two.map"}, {"IN/two"}}},
     {"config", {{"IN/config.yaml"}, {"IN/unknown_key.yaml"}}},
-    {"covered-by", {{"IN/one/labels"}}},
+    {"covered-by", {{"IN/one/labels"}, {"IN/objects"}}},
     {"crf", {{"unary"}, {"pn-potts", "--cliques cubes:1"}, {"none"}, {"pn-potts"}}},
     {"crf-every", {{"2"}}},
     {"crf-iterations", {{"7"}}},
@@ -270,10 +273,11 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"occlusion-window", {{"15,15"}}},
     {"offset-drift", {{"0"}}},
     {"overlay", {{"OUT/overlay.png"}}},
+    {"panoptic", {{""}}},
     {"pixel-fusion", {{"product"}}},
     {"pose", {{"IN/one/trajectory.txt:2"}}},
     {"poses", {{"IN/moved.txt"}}},
-    {"range", {{"0:9", "--truth-depth IN/one/depth"}}},
+    {"range", {{"0:9", "--truth-depth IN/one/depth"}, {"0:9"}}},
     {"refined", {{"OUT/refined.bin"}}},
     {"relabel", {{"road=sidewalk"}}},
     {"report", {{"OUT/report.csv"}}},
@@ -282,6 +286,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"right", {{"'IN/own/right/*.png'"}}},
     {"row", {{"street"}}},
     {"scan-columns", {{"x,y,z,_"}}},
+    {"scans", {{"IN/scans"}}},
     {"scan-within", {{"1"}, {"1", "--also scans"}}},
     {"seed", {{"9"}}},
     {"sensor", {{"own"}, {"grey"}}},
@@ -317,7 +322,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"traffic", {{"2"}}},
     {"trajectory", {{"IN/moved.txt"}}},
     {"truth", {{"IN/one/labels"}}},
-    {"truth-depth", {{"IN/one/depth", "--range 0:9"}}},
+    {"truth-depth", {{"IN/one/depth", "--range 0:9"}, {"IN/one/depth"}}},
     {"view", {{"above"}}},
     {"voxel-size", {{"0.2"}, {"0.5"}}},
     {"window", {{"8,8,4"}}},
@@ -421,6 +426,18 @@ writeScans(const std::string& folder)
   }
 }
 
+// Labels of a scan that writeScans() makes: a car, then road.
+void
+writeObjects(const std::string& folder, int points_of_car)
+{
+  fs::create_directories(folder);
+  std::ofstream file(folder + "/000000.label", std::ios::binary);
+  for (int i = 0; i < 600; ++i) {
+    const std::uint32_t number = i < points_of_car ? 6 | 1u << 16 : 3;
+    file.write(reinterpret_cast<const char*>(&number), sizeof(number));
+  }
+}
+
 // Makes the inputs of the commands in `modes` and `trials`, named IN there.
 void
 makeInputs(const std::string& in)
@@ -462,6 +479,8 @@ makeInputs(const std::string& in)
   fs::copy(street + "/gt", in + "/gt");
   fs::remove(in + "/gt/000002.png");
   writeScans(in + "/scans");
+  writeObjects(in + "/objects", 250);
+  writeObjects(in + "/true_objects", 300);
   Trajectory moved;
   for (Eigen::Isometry3d pose : readKittiTrajectory(street + "/poses.txt")) {
     pose.translation().x() += 1.0;
