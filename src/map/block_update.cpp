@@ -23,10 +23,14 @@ forEachBit(const std::uint64_t* words, Visit&& visit)
 
 } // namespace
 
-BlockUpdate::BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan)
-    : classes_(classes), occupancy_(parameters.fusion),
-      per_ray_(parameters.fusion.per_ray_counting), voxel_size_(parameters.voxel_size),
-      scan_(scan), measurement_(classes, parameters.fusion)
+BlockUpdate::BlockUpdate(const LabelSet& label_set, const MapParameters& parameters,
+                         const Scan& scan)
+    : classes_(label_set.size()),
+      dynamic_(classesWith(&LabelClass::dynamic, label_set)),
+      occupies_dynamic_(parameters.fusion.occupy_dynamic),
+      occupancy_(parameters.fusion), per_ray_(parameters.fusion.per_ray_counting),
+      voxel_size_(parameters.voxel_size), scan_(scan),
+      measurement_(classes_, parameters.fusion)
 {}
 
 std::size_t
@@ -125,6 +129,10 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
   // The refined distribution came from older measurements.
   if (labelled)
     std::fill_n(block.refined.begin() + record * classes_, classes_, 0.0f);
+  StoredLogOdds& log_odds = block.log_odds[std::size_t(offset)];
+  if (labelled && occupies_dynamic_ && !occupancy_.isOccupied(log_odds) &&
+      dynamic_[measurement_.mapLabel()])
+    occupancy_.setOccupied(log_odds);
 }
 
 void

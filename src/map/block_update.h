@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "class_flags.h"
 #include "ray_caster.h"
 #include "voxel_fusion.h"
 
@@ -18,7 +19,8 @@ namespace pcl_semantic {
 class BlockUpdate {
 public:
   /** \param[in] classes L */
-  BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan);
+  BlockUpdate(const LabelSet& label_set, const MapParameters& parameters,
+              const Scan& scan);
 
   /** \param[in] crossed voxels, see CrossedVoxels::layers
    * \param[in] first, last hits in the block, in any order
@@ -36,6 +38,8 @@ private:
   void fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& block);
 
   const int classes_;
+  const ClassFlags dynamic_;
+  const bool occupies_dynamic_;
   const OccupancyUpdate occupancy_;
   const bool per_ray_;
   const double voxel_size_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "seen_past.h"
 #include "block_reader.h"
+#include "class_flags.h"
 #include "core/parallel_guard.h"
 
 #include <algorithm>
@@ -34,17 +35,6 @@ labelOf(const Scan& scan, std::size_t point)
 {
   return scan.distributions ? scan.distributions->mapLabel(Eigen::Index(point))
                             : kUnlabelled;
-}
-
-using ClassFlags = std::array<bool, 256>;
-
-ClassFlags
-classesWith(bool LabelClass::*mark, const LabelSet& label_set)
-{
-  ClassFlags flags{};
-  for (int label = 1; label <= label_set.size(); ++label)
-    flags[std::size_t(label)] = label_set[Label(label)].*mark;
-  return flags;
 }
 
 // The hits in a block, and those on one class in and around it.

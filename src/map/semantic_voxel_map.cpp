@@ -182,7 +182,7 @@ SemanticVoxelMap::State::updateBlocks(const Scan& scan)
 #pragma omp parallel reduction(+ : hit_voxels)
   {
     std::optional<BlockUpdate> update;
-    guard.run([&] { update.emplace(label_set.size(), parameters, scan); });
+    guard.run([&] { update.emplace(label_set, parameters, scan); });
 #pragma omp for schedule(dynamic, 16)
     for (std::size_t b = 0; b < blocks.size(); ++b)
       guard.run([&] {

@@ -190,6 +190,13 @@ VoxelMeasurement::fuseLabels(VoxelRecord& record, float* log_distribution)
   return true;
 }
 
+Label
+VoxelMeasurement::mapLabel() const
+{
+  const auto most = std::max_element(log_likelihood_.begin(), log_likelihood_.end());
+  return Label(most - log_likelihood_.begin() + 1);
+}
+
 void
 freeVoxel(VoxelBlock& block, int offset, int classes, const OccupancyUpdate& occupancy)
 {

@@ -42,6 +42,13 @@ public:
     voxel = static_cast<StoredLogOdds>(std::max(min_, occupied_ + 2 * miss_));
   }
 
+  /** \brief Makes a voxel occupied: at the threshold. */
+  void
+  setOccupied(StoredLogOdds& voxel) const
+  {
+    voxel = static_cast<StoredLogOdds>(occupied_);
+  }
+
   void
   miss(StoredLogOdds& voxel) const
   {
@@ -104,6 +111,9 @@ public:
   /** \brief Fuses only the labels of a scan whose points were already integrated.
    * \return as fuseInto() */
   bool fuseLabels(VoxelRecord& record, float* log_distribution);
+
+  /** \brief The most probable label of the scan, after fuseInto() that was true. */
+  Label mapLabel() const;
 
 private:
   void fusePosition(VoxelRecord& record) const;

@@ -25,6 +25,7 @@ MapperConfig::validate()
 {
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
+  map.fusion.occupy_dynamic = things;
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // superpixels need organized clouds
     badParameter("cliques are '", cliques,

@@ -172,6 +172,29 @@ TEST_F(SeenPast, EverythingElseStays)
   EXPECT_EQ(map.integrate(wall.cloud, here, wall.distributions()).freed, 0u);
 }
 
+// With objects: a hit of a dynamic class makes a voxel occupied that was often seen
+// free.
+TEST(OccupyDynamic, OneHitOfADynamicClassIsEnough)
+{
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d place(5.1, 0.1, 0.1);
+  for (const bool occupy : {false, true})
+    for (const Label label : {kStill, kMoving}) {
+      SemanticVoxelMap::Parameters parameters = smallWindow();
+      parameters.fusion.occupy_dynamic = occupy;
+      SemanticVoxelMap map(twoClasses(), parameters);
+      const LabelledScan wall = square(9.1, kStill), near = square(5.1, label);
+      for (int i = 0; i < 9; ++i)
+        map.integrate(wall.cloud, here, wall.distributions());
+      ASSERT_EQ(map.state(place).occupancy, Occupancy::free);
+      map.integrate(near.cloud, here, near.distributions());
+      EXPECT_EQ(map.state(place).occupancy == Occupancy::occupied,
+                occupy && label == kMoving);
+      map.integrate(wall.cloud, here, wall.distributions());
+      EXPECT_EQ(map.state(place).occupancy, Occupancy::free) << "one miss is enough";
+    }
+}
+
 using Index = std::tuple<int, int, int>;
 
 Index

@@ -38,6 +38,10 @@ struct FusionParameters {
   bool per_ray_counting = false;
   /// Frees the voxels of dynamic classes that scans see past, see doc/map.md.
   bool free_dynamic = true;
+  /// A hit whose label is a dynamic class makes a free voxel occupied at once, because
+  /// an object may have arrived. Only with an ObjectTracker, which finds out where it
+  /// was: without one, moving objects leave longer trails.
+  bool occupy_dynamic = false;
   double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
 
   /** \throws InvalidParameterException that names the parameter and its range */

@@ -37,7 +37,8 @@ struct MapperConfig {
   ObjectTracker::Parameters objects;
   int threads = 0; ///< 0 = all processors
 
-  /** \brief Checks every value, and passes the voxel size on to the supervoxels.
+  /** \brief Checks every value, and passes on the voxel size to the supervoxels and
+   * \a things to the map.
    * \throws InvalidParameterException that names the parameter and its range */
   void validate();
 };
