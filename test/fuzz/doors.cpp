@@ -20,6 +20,7 @@
 #include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/npy_file.h>
+#include <pcl_semantic/files/object_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/images/distribution_file.h>
 #include <pcl_semantic/images/image_file.h>
@@ -208,6 +209,8 @@ doors()
       {"network_onnx",
        [](const std::string& b) { readOnnxInterface(toBytes(b), "net.onnx"); }},
       {"npy", [](const std::string& b) { readArray(fileOf(b, "a.npy")); }},
+      {"objects",
+       [](const std::string& b) { readObjects(fileOf(b, "o.json"), threeClasses()); }},
       {"pinhole_camera",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
       {"pinhole_camera_txt",
