@@ -8,6 +8,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/object_file.h>
 #include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
@@ -145,6 +146,16 @@ posesInScene(const MapInput& map)
   for (Eigen::Isometry3d& pose : poses)
     pose.translation() -= map.scene.origin + map.scene.grid.corner;
   return poses;
+}
+
+std::vector<ObjectSummary>
+objectsOf(const std::string& path, const std::string& objects,
+          const LabelSet& label_set)
+{
+  const std::string of_folder = path + "/objects.json";
+  if (objects == "none" || (objects.empty() && !std::filesystem::exists(of_folder)))
+    return {};
+  return readObjects(objects.empty() ? of_folder : objects, label_set);
 }
 
 } // namespace pcl_semantic::tool

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/things/object_summary.h>
 
 #include <string>
 #include <utility>
@@ -40,5 +41,13 @@ VoxelScene readOtherMap(const std::string& path, const MapHints& hints,
 
 /** \brief Camera poses in the frame of the scene's indices. */
 Trajectory posesInScene(const MapInput& map);
+
+/** \brief Reads the objects of a map, in the world frame.
+ * \param[in] path of the map
+ * \param[in] objects path of their file, none, or empty = objects.json of the map's
+ * folder, if there is one */
+std::vector<ObjectSummary> objectsOf(const std::string& path,
+                                     const std::string& objects,
+                                     const LabelSet& label_set);
 
 } // namespace pcl_semantic::tool

@@ -148,6 +148,8 @@ struct MapViewer::Inside {
     others.clear();
     if (state.path && map.path.size() > 1)
       others.push_back(actorOf(map.path));
+    if (!map.boxes.empty())
+      others.push_back(actorOf(map.boxes));
     if (state.pictures)
       for (const ViewedImage& picture : map.pictures)
         for (const auto& actor : actorsOf(picture))

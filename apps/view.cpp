@@ -201,6 +201,8 @@ openMap(const Arguments& arguments)
   opened.map.path = input.T_world_camera;
   for (Eigen::Isometry3d& pose : opened.map.path)
     pose.translation() -= input.scene.origin;
+  opened.map.boxes = boxLines(tool::objectsOf(arguments.map, "", input.label_set),
+                              input.label_set, input.scene.origin);
   opened.state = arguments.state;
   opened.state.hidden = labelsOf(arguments.hide, input.label_set);
   if (!arguments.colour.empty())

@@ -5,6 +5,7 @@
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/pictures/scene_lines.h>
 #include <pcl_semantic/pictures/voxel_colours.h>
 
 #include <opencv2/core/mat.hpp>
@@ -45,6 +46,7 @@ struct ViewedMap {
   std::vector<ViewedClass> classes;
   std::vector<Colouring> colourings; ///< available ones
   Trajectory path;                   ///< of the camera
+  std::vector<SceneLine> boxes;      ///< edges of the objects' boxes
   std::vector<ViewedImage> pictures;
 
   /** \brief Height of a voxel's centre [m]. */

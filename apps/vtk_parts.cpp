@@ -15,6 +15,7 @@
 #include <vtkActor2D.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkImageMapper.h>
@@ -235,6 +236,21 @@ vtkSmartPointer<vtkActor>
 actorOf(const Trajectory& path)
 {
   return lineActor({pathOf(path)}, 4.0f);
+}
+
+vtkSmartPointer<vtkActor>
+actorOf(const std::vector<SceneLine>& lines)
+{
+  std::vector<SensorPath> paths;
+  const auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  colours->SetNumberOfComponents(3);
+  for (const SceneLine& line : lines) {
+    paths.push_back({line.from, line.to});
+    colours->InsertNextTuple3(line.colour[2], line.colour[1], line.colour[0]);
+  }
+  auto actor = lineActor(paths, 2.0f);
+  actor->GetMapper()->GetInputAsDataSet()->GetCellData()->SetScalars(colours);
+  return actor;
 }
 
 std::vector<vtkSmartPointer<vtkActor>>

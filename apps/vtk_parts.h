@@ -24,6 +24,9 @@ vtkSmartPointer<vtkActor> actorOf(const ViewedMap& map, const ViewState& state);
 /** \brief The path of a camera, in the red of rendered images. */
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
+/** \brief Lines in their colours. */
+vtkSmartPointer<vtkActor> actorOf(const std::vector<SceneLine>& lines);
+
 /** \brief An image at its camera's position, with rays from the camera to its
  * corners. */
 std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedImage& picture);

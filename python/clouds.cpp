@@ -6,6 +6,7 @@
 #include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/superpixels/clique_config.h>
+#include <pcl_semantic/things/object_extraction.h>
 
 #include <pcl/common/io.h>
 
@@ -155,6 +156,18 @@ refine(const py::object& points, const py::object& probabilities,
   return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
 }
 
+// Numbers the groups from 1; 0 = in none.
+py::array_t<std::int32_t>
+numbersOf(const std::vector<pcl::PointIndices>& groups, std::size_t points)
+{
+  py::array_t<std::int32_t> numbers((py::ssize_t(points)));
+  std::fill_n(numbers.mutable_data(), points, 0);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (const pcl::index_t i : groups[g].indices)
+      numbers.mutable_data()[i] = std::int32_t(g + 1);
+  return numbers;
+}
+
 py::array_t<std::int32_t>
 cliques(const py::object& points, const std::string& kind,
         const py::object& given_colours)
@@ -169,12 +182,28 @@ cliques(const py::object& points, const std::string& kind,
   warnOfNoReturns(*labelled);
   generator->setOrigin(origin);
   const auto found = released([&] { return generator->generate(cloud); });
-  py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
-  std::fill_n(numbers.mutable_data(), cloud.size(), 0);
-  for (std::size_t c = 0; c < found.size(); ++c)
-    for (const pcl::index_t i : found[c].indices)
-      numbers.mutable_data()[i] = std::int32_t(c + 1);
-  return numbers;
+  return numbersOf(found, cloud.size());
+}
+
+py::array_t<std::int32_t>
+objects(const py::object& points, const py::object& given_labels, double gap,
+        int min_points)
+{
+  const auto labels = integersOf<std::int64_t>(given_labels, "labels");
+  if (min_points < 1)
+    badParameter("min_points is ", min_points, ", expected 1 or more");
+  ObjectExtraction<pcl::PointXYZRGBL> extraction;
+  extraction.setGap(gap);
+  extraction.setMinClusterSize(std::size_t(min_points));
+  const auto [cloud, origin] = localCloudOf(points, std::nullopt);
+  setLabels(labels, 0, *cloud);
+  warnOfNoReturns(*cloud);
+  std::vector<pcl::PointIndices> found;
+  if (!cloud->empty()) {
+    extraction.setInputCloud(cloud);
+    released([&] { extraction.extract(found); });
+  }
+  return numbersOf(found, cloud->size());
 }
 
 } // namespace
@@ -201,6 +230,14 @@ bindClouds(py::module_& module)
              py::kw_only(), py::arg("colours") = py::none(),
              "Groups points that are likely to have one label: 'cubes:EDGE',\n"
              "'supervoxel:SIZE'. Returns N numbers, 0 = in none.");
+  module.def(
+      "objects", &objects, py::arg("points"), py::arg("labels"), py::kw_only(),
+      py::arg("gap") = ObjectExtractionBase::default_gap, py::arg("min_points") = 20,
+      "Numbers the objects: groups of points of one label, in which each point\n"
+      "is at most a gap from another one.\n\n"
+      "points: N x 3 [m]. labels: N, 0 = no object; set those of classes without\n"
+      "objects to 0. gap [m]. min_points: smaller groups are no objects.\n"
+      "Returns N numbers, 0 = in none.");
 }
 
 } // namespace pcl_semantic::python

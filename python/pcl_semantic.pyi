@@ -24,6 +24,9 @@ def refine(
 def cliques(
     points: ArrayLike, kind: str = "cubes:1", *, colours: Optional[ArrayLike] = None
 ) -> NDArray[np.int32]: ...
+def objects(
+    points: ArrayLike, labels: ArrayLike, *, gap: float = 0.7, min_points: int = 20
+) -> NDArray[np.int32]: ...
 def confusion_matrix(
     truth: ArrayLike, prediction: ArrayLike, classes: int
 ) -> NDArray[np.uint64]: ...

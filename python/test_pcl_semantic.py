@@ -373,6 +373,24 @@ class Cliques(unittest.TestCase):
             pcl_semantic.cliques([[0, 0, 0]], "squares")
 
 
+class Objects(unittest.TestCase):
+    def test_groups_of_one_label_are_numbered(self):
+        points = [[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [3, 0, 0], [3.5, 0, 0], [0, 0.1, 0],
+                  [np.nan, 0, 0]]
+        labels = [6, 6, 6, 6, 6, 7, 6]
+        np.testing.assert_array_equal(
+            pcl_semantic.objects(points, labels, min_points=2), [1, 1, 1, 2, 2, 0, 0])
+        np.testing.assert_array_equal(
+            pcl_semantic.objects(points, labels, gap=2.5, min_points=1),
+            [1, 1, 1, 1, 1, 2, 0])
+        self.assertEqual(pcl_semantic.objects(points, labels).max(), 0)
+        self.assertEqual(pcl_semantic.objects([], []).shape, (0,))
+        for arguments, says in (({"gap": 0}, "gap"), ({"min_points": 0}, "min_points is 0"),
+                                ({"labels": labels[:3]}, "labels")):
+            with self.assertRaisesRegex(ValueError, says):
+                pcl_semantic.objects(points, **{"labels": labels, **arguments})
+
+
 class Evaluation(unittest.TestCase):
     def test_counts_by_truth_and_prediction(self):
         matrix = pcl_semantic.confusion_matrix([0, 1, 1, 2], [1, 1, 2, 2], 2)
@@ -675,7 +693,7 @@ class Guide(unittest.TestCase):
     def test_its_blocks_run_as_they_are(self):
         with open(os.path.join(HERE, "..", "doc", "python.md")) as file:
             blocks = re.findall(r"```python\n(.*?)```", file.read(), re.DOTALL)
-        self.assertEqual(len(blocks), 3)
+        self.assertEqual(len(blocks), 4)
         with tempfile.TemporaryDirectory() as folder:
             output = self.run_script(folder, "-c", "\n".join(blocks))
             self.assertEqual(sorted(os.listdir(folder)),

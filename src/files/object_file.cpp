@@ -243,19 +243,6 @@ readJson(const std::string& path)
   }
 }
 
-constexpr std::array<std::pair<int, int>, 12> kEdges{{{0, 1},
-                                                      {1, 2},
-                                                      {2, 3},
-                                                      {3, 0},
-                                                      {4, 5},
-                                                      {5, 6},
-                                                      {6, 7},
-                                                      {7, 4},
-                                                      {0, 4},
-                                                      {1, 5},
-                                                      {2, 6},
-                                                      {3, 7}}};
-
 } // namespace
 
 void
@@ -294,7 +281,7 @@ writeBoxes(const std::string& path, const std::vector<ObjectSummary>& objects,
   text << "ply\nformat ascii 1.0\nelement vertex " << 8 * objects.size()
        << "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar "
           "red\nproperty uchar green\nproperty uchar blue\nelement edge "
-       << kEdges.size() * objects.size()
+       << YawBox::edges.size() * objects.size()
        << "\nproperty int vertex1\nproperty int vertex2\nend_header\n";
   text.precision(9);
   for (const ObjectSummary& object : objects) {
@@ -306,8 +293,8 @@ writeBoxes(const std::string& path, const std::vector<ObjectSummary>& objects,
            << int(colour[0]) << " " << int(colour[1]) << " " << int(colour[2]) << "\n";
   }
   for (std::size_t i = 0; i < objects.size(); ++i)
-    for (const auto& [from, to] : kEdges)
-      text << 8 * i + std::size_t(from) << " " << 8 * i + std::size_t(to) << "\n";
+    for (const auto& [from, to] : YawBox::edges)
+      text << 8 * i + from << " " << 8 * i + to << "\n";
   writeTextFile(path, text.str());
 }
 

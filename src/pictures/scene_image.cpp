@@ -239,7 +239,7 @@ struct Ground {
 
 cv::Mat
 paint(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view,
-      const Ground& ground)
+      const Ground& ground, const std::vector<SceneLine>& lines)
 {
   const CubeImage cubes =
       renderCubes(scene.voxels.indices, scene.grid.size, view.camera,
@@ -259,6 +259,9 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const SceneView& vie
         picture.at<cv::Vec3b>(row, column)[c] =
             cv::saturate_cast<std::uint8_t>(colour[c]);
     }
+  // A box goes through the outer voxels of its object.
+  drawLines(picture, cubes.depth, view, lines, 3.0 * scene.grid.size,
+            2 * kSupersampling);
   return picture;
 }
 
@@ -323,13 +326,13 @@ validate(const VoxelScene& scene, const VoxelColours& colours, const SceneView& 
 
 cv::Mat
 drawVoxels(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view,
-           const SensorPath& path)
+           const SensorPath& path, const std::vector<SceneLine>& lines)
 {
   validate(scene, colours, view);
   const SceneView large = enlarged(view, kSupersampling);
   const Ground ground{large, scene.grid.corner, groundHeight(scene), gridStep(scene)};
   cv::Mat picture;
-  cv::resize(paint(scene, colours, large, ground), picture,
+  cv::resize(paint(scene, colours, large, ground, lines), picture,
              cv::Size(view.camera.width, view.camera.height), 0, 0, cv::INTER_AREA);
   drawPath(picture, view, path);
   std::string note = colours.note + (colours.note.empty() ? "" : ", ");

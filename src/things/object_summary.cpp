@@ -47,6 +47,19 @@ convexHull(std::vector<Eigen::Vector2d> points)
 
 } // namespace
 
+const std::array<std::pair<std::size_t, std::size_t>, 12> YawBox::edges{{{0, 1},
+                                                                         {1, 2},
+                                                                         {2, 3},
+                                                                         {3, 0},
+                                                                         {4, 5},
+                                                                         {5, 6},
+                                                                         {6, 7},
+                                                                         {7, 4},
+                                                                         {0, 4},
+                                                                         {1, 5},
+                                                                         {2, 6},
+                                                                         {3, 7}}};
+
 std::vector<Eigen::Vector3d>
 YawBox::corners() const
 {

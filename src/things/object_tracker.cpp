@@ -83,6 +83,7 @@ struct ObjectTracker::State {
   ObjectExtraction<pcl::PointXYZRGBL> extraction;
   std::map<Number, Track> tracks;
   VoxelMapOf<Cell> cells; // voxels of objects
+  std::size_t min_voxels = 0;
   Number last_number = 0;
   int frames = 0;
   std::vector<VoxelIndex> left;
@@ -107,7 +108,8 @@ ObjectTracker::ObjectTracker(const LabelSet& label_set, const Parameters& parame
   state_->label_set = label_set;
   state_->extraction.setLabelSet(label_set);
   state_->extraction.setGap(parameters.gap);
-  state_->extraction.setMinClusterSize(std::size_t(parameters.min_voxels));
+  state_->min_voxels = std::size_t(parameters.min_voxels);
+  state_->extraction.setMinClusterSize(state_->min_voxels);
 }
 
 ObjectTracker::~ObjectTracker() = default;
@@ -139,6 +141,14 @@ see(Component& component, const VoxelCloud& voxels, const VoxelMapOf<Cell>& cell
   }
   if (!component.seen.voxels.empty())
     component.seen.centre /= double(component.seen.voxels.size());
+}
+
+// Moves a part of an object, which the frame did not see, to the rest of it.
+void
+join(Component& rest, Component& part)
+{
+  rest.indices.insert(rest.indices.end(), part.indices.begin(), part.indices.end());
+  part = Component();
 }
 
 } // namespace
@@ -235,8 +245,9 @@ ObjectTracker::State::split(Component component, const VoxelCloud& voxels,
   return parts;
 }
 
-// Gives each component the track with which it shares most voxels; a track that shares
-// voxels with no other component joins the one of that component.
+// Gives each component the track with which it shares most voxels. A part of an object
+// that fell apart without a new hit stays with the rest. A track that shares voxels
+// with no other component joins the one of that component.
 void
 ObjectTracker::State::matchShared(std::vector<Component>& components)
 {
@@ -256,6 +267,13 @@ ObjectTracker::State::matchShared(std::vector<Component>& components)
       components[c].track = &tracks.at(number);
       is_taken[number] = true;
     }
+  for (const auto& [count, number, c] : pairs)
+    if (!components[c].track && components[c].seen.voxels.empty())
+      for (Component& rest : components)
+        if (rest.track && rest.track->number == number) {
+          join(rest, components[c]);
+          break;
+        }
   for (const auto& [count, number, c] : pairs)
     if (!is_taken[number]) {
       is_taken[number] = true;
@@ -423,6 +441,8 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
   state.matchShared(components);
   state.matchNear(components);
   for (Component& component : components) {
+    if (component.indices.empty()) // it has joined another one
+      continue;
     if (!component.track) {
       Track track;
       track.number = ++state.last_number;
@@ -455,9 +475,12 @@ ObjectTracker::numbers(const VoxelCloud& voxels) const
   std::vector<std::uint32_t> numbers(voxels.size(), 0);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const auto cell = state_->cells.find(voxels.indices[i]);
-    if (cell != state_->cells.end() &&
-        state_->tracks.at(cell->second.object).label == (*voxels.cloud)[i].label)
-      numbers[i] = cell->second.object;
+    if (cell == state_->cells.end())
+      continue;
+    const Track& track = state_->tracks.at(cell->second.object);
+    if (track.label == (*voxels.cloud)[i].label &&
+        track.voxels.size() >= state_->min_voxels)
+      numbers[i] = track.number;
   }
   return numbers;
 }

@@ -270,6 +270,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"object-gap", {{"0.1"}, {"0.1", "--config IN/things.yaml"}}},
     {"object-min-voxels", {{"1"}, {"1", "--config IN/things.yaml"}}},
     {"objects", {{"OUT/more.json"}}},
+    {"render objects", {{"IN/objects.json"}}},
     {"occlusion-window", {{"15,15"}}},
     {"offset-drift", {{"0"}}},
     {"overlay", {{"OUT/overlay.png"}}},
@@ -500,6 +501,8 @@ makeInputs(const std::string& in)
         "--max-depth 12 --frames 2:3 --archive IN/two.map"})
     run(in, command);
   fs::copy(in + "/one/map.pcd", in + "/map.pcd");
+  run(in, "things IN/map.pcd IN/things.pcd --objects IN/objects.json --label-set "
+          "IN/one/label_set.yaml --min-points 1");
   writeScans(street + "/velodyne");
   fs::create_directories(in + "/labelled");
   for (const char* const name : {"000000.pcd", "000001.pcd", "000002.pcd"})

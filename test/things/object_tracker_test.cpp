@@ -228,6 +228,23 @@ TEST(ObjectTracker, AnObjectThatPassesAnotherOneKeepsItsNumber)
   }
 }
 
+TEST(ObjectTracker, APartThatIsNotSeenStaysWithItsObject)
+{
+  ObjectTracker tracker(streetLabels(), {});
+  Street street;
+  const VoxelIndex part(10, 8, 6);
+  street.hit(kCar, {0, 0, 0}, {30, 8, 6});
+  street.track(tracker);
+  street.free({10, 0, 0}, part);
+  street.hit(kCar, {0, 0, 0}, part);
+  const VoxelCloud cloud = street.track(tracker);
+  EXPECT_EQ(numbersIn(cloud, {0, 0, 0}, part), Numbers{1});
+  EXPECT_EQ(numbersIn(cloud, {20, 0, 0}, part), Numbers{1});
+  const std::vector<ObjectSummary> objects = tracker.summarize(cloud);
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].track->frames, 2);
+}
+
 TEST(ObjectTracker, AnObjectKeepsItsNumberOutsideTheWindow)
 {
   ObjectTracker tracker(streetLabels(), {});

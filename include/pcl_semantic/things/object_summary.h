@@ -8,11 +8,13 @@
 #include <Eigen/Geometry>
 #include <pcl/types.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -26,6 +28,9 @@ struct YawBox {
   /** \brief The corners: the lower four, then the upper four, each counterclockwise
    * seen from above. */
   std::vector<Eigen::Vector3d> corners() const;
+
+  /** \brief The edges, each as the indices of two corners. */
+  static const std::array<std::pair<std::size_t, std::size_t>, 12> edges;
 };
 
 /** \brief Finds the upright box of the smallest base that contains all points.

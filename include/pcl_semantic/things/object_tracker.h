@@ -55,7 +55,8 @@ public:
   const std::vector<VoxelIndex>& leftVoxels() const;
 
   /** \brief The number of the object of each voxel, 0 = none. Numbers count from 1 in
-   * the order of the first frames; some may be missing.
+   * the order of the first frames; some may be missing. An object that has shrunk below
+   * min_voxels has no number.
    * \param[in] voxels any voxels of the map */
   std::vector<std::uint32_t> numbers(const VoxelCloud& voxels) const;
 
