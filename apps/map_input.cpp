@@ -124,6 +124,16 @@ readMap(const std::string& path, const MapHints& hints)
   return map;
 }
 
+std::vector<ObjectSummary>
+readMapObjects(const std::string& path, const std::string& file,
+               const LabelSet& label_set)
+{
+  const std::string own = path + "/objects.json";
+  if (file == "none" || (file.empty() && !(isFolder(path) && isThere(own))))
+    return {};
+  return readObjects(file.empty() ? own : file, label_set);
+}
+
 void
 requireVoxels(const std::string& path, const MapInput& map)
 {
@@ -146,16 +156,6 @@ posesInScene(const MapInput& map)
   for (Eigen::Isometry3d& pose : poses)
     pose.translation() -= map.scene.origin + map.scene.grid.corner;
   return poses;
-}
-
-std::vector<ObjectSummary>
-objectsOf(const std::string& path, const std::string& objects,
-          const LabelSet& label_set)
-{
-  const std::string of_folder = path + "/objects.json";
-  if (objects == "none" || (objects.empty() && !std::filesystem::exists(of_folder)))
-    return {};
-  return readObjects(objects.empty() ? of_folder : objects, label_set);
 }
 
 } // namespace pcl_semantic::tool

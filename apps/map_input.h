@@ -30,6 +30,15 @@ struct MapHints {
  * \throws BadInputException */
 MapInput readMap(const std::string& path, const MapHints& hints);
 
+/** \brief Reads the objects of a map; their boxes are in the world frame.
+ * \param[in] path of the map
+ * \param[in] file list of objects; empty: objects.json of a map folder, if there is
+ * one; "none": there are no objects
+ * \throws BadInputException as readObjects() */
+std::vector<ObjectSummary> readMapObjects(const std::string& path,
+                                          const std::string& file,
+                                          const LabelSet& label_set);
+
 /** \brief Requires voxels, which an image needs. \param[in] path of the map
  * \throws BadInputException if no voxel is occupied */
 void requireVoxels(const std::string& path, const MapInput& map);
@@ -41,13 +50,5 @@ VoxelScene readOtherMap(const std::string& path, const MapHints& hints,
 
 /** \brief Camera poses in the frame of the scene's indices. */
 Trajectory posesInScene(const MapInput& map);
-
-/** \brief Reads the objects of a map, in the world frame.
- * \param[in] path of the map
- * \param[in] objects path of their file, none, or empty = objects.json of the map's
- * folder, if there is one */
-std::vector<ObjectSummary> objectsOf(const std::string& path,
-                                     const std::string& objects,
-                                     const LabelSet& label_set);
 
 } // namespace pcl_semantic::tool

@@ -114,14 +114,35 @@ struct MapViewer::Inside {
   bool
   click(int x, int y)
   {
-    if (!state.panel || x >= panel.picture.cols || y >= panel.picture.rows)
-      return false;
+    if (!state.panel || x >= panel.picture.cols || y >= panel.picture.rows) {
+      select(x, y);
+      return false; // the mouse also turns the map
+    }
     const int v = panel.picture.rows - 1 - y;
     for (const ViewPanel::Row& row : panel.rows)
       if (v >= row.top && v < row.bottom)
         toggle(row.label, state);
     redraw(Redraw::voxels);
     return true;
+  }
+
+  // Selects the object at a pixel.
+  void
+  select(int x, int y)
+  {
+    Eigen::Vector3d ends[2];
+    for (const int end : {0, 1}) { // in front and behind
+      double world[4];
+      renderer->SetDisplayPoint(x, y, end);
+      renderer->DisplayToWorld();
+      renderer->GetWorldPoint(world);
+      ends[end] = Eigen::Vector3d(world) / world[3];
+    }
+    const auto found = objectAt(map, state, ends[0], ends[1]);
+    if (found == state.selected)
+      return;
+    state.selected = found;
+    redraw(Redraw::panel);
   }
 
   void
@@ -148,8 +169,8 @@ struct MapViewer::Inside {
     others.clear();
     if (state.path && map.path.size() > 1)
       others.push_back(actorOf(map.path));
-    if (!map.boxes.empty())
-      others.push_back(actorOf(map.boxes));
+    for (const auto& actor : boxActors(map, state))
+      others.push_back(actor);
     if (state.pictures)
       for (const ViewedImage& picture : map.pictures)
         for (const auto& actor : actorsOf(picture))
@@ -190,6 +211,7 @@ MapViewer::show(ViewedMap map, std::vector<SceneView> views)
   inside_->views = std::move(views);
   ViewState& now = inside_->state;
   now.colouring %= inside_->map.colourings.size();
+  now.selected.reset(); // another map has other objects
   if (is_first || std::size_t(now.view) >= inside_->views.size()) {
     now.view = 0;
     inside_->look();

@@ -8,7 +8,6 @@
 #include <pcl_semantic/pictures/scene_image.h>
 
 #include <string>
-#include <vector>
 
 namespace {
 
@@ -17,7 +16,6 @@ using namespace pcl_semantic;
 struct Arguments {
   std::string map, output;
   std::string compare; ///< another map; empty = none
-  std::string objects; ///< their file, or none; empty = that of the folder
   std::string colour = "class";
   int threads = 0;
   tool::RenderOptions picture;
@@ -39,8 +37,8 @@ validate(const Arguments& arguments)
   tool::refuseIf(arguments.map.empty() || arguments.output.empty(),
                  "MAP or OUT.png is missing");
   tool::requireOutput(arguments.output, ".png");
-  tool::refuseSameFiles({arguments.map, arguments.compare, arguments.objects,
-                         arguments.picture.hints.trajectory},
+  tool::refuseSameFiles({arguments.map, arguments.compare,
+                         arguments.picture.hints.trajectory, arguments.picture.objects},
                         {arguments.output});
   tool::requireColour(arguments.colour);
 }
@@ -57,10 +55,7 @@ parse(int argc, char** argv)
           {{"map", arguments.map, "input map"},
            {"output", arguments.output, "output image (.png)"},
            {"compare", arguments.compare,
-            "earlier map; the picture shows the voxels whose class changed"},
-           {"objects", arguments.objects,
-            "objects (.json) whose boxes are drawn, or none (default: objects.json of "
-            "the folder, if there is one)"}},
+            "earlier map; the picture shows the voxels whose class changed"}},
           {{"size", tool::withDefault(arguments.picture.texts.size),
             "size of the image without its legend [px]"},
            {"colour", tool::withDefault(arguments.colour),
@@ -91,6 +86,17 @@ coloursOf(const Arguments& arguments, const tool::MapInput& map)
   return changeColours(map.scene, labelsAtVoxels(map.scene, other), map.label_set);
 }
 
+// The edges of the objects' boxes; in a picture of changes only those asked for.
+std::vector<SceneLine>
+boxesOf(const Arguments& arguments, const tool::MapInput& map)
+{
+  const std::string& file = arguments.picture.objects;
+  if (file.empty() && !arguments.compare.empty())
+    return {};
+  return boxLines(tool::readMapObjects(arguments.map, file, map.label_set),
+                  map.label_set, map.scene.origin + map.scene.grid.corner);
+}
+
 int
 render(const Arguments& arguments)
 {
@@ -100,14 +106,11 @@ render(const Arguments& arguments)
   const Trajectory poses = tool::posesInScene(map);
   const VoxelColours colours = coloursOf(arguments, map);
   const SceneView view = tool::viewOf(arguments.picture, map.scene, poses);
-  std::vector<ObjectSummary> objects;
-  if (arguments.compare.empty() || !arguments.objects.empty())
-    objects = tool::objectsOf(arguments.map, arguments.objects, map.label_set);
   // From the camera, the path would cover the view.
   const cv::Mat picture = drawVoxels(
       map.scene, colours, view,
       arguments.picture.view == "camera" ? SensorPath() : tool::pathOf(poses),
-      boxLines(objects, map.label_set, map.scene.origin + map.scene.grid.corner));
+      boxesOf(arguments, map));
   writePng(arguments.output, picture);
   tool::printResults({{"picture", arguments.output}});
   return tool::exit_done;

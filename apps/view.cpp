@@ -108,7 +108,8 @@ parse(int argc, char** argv)
   tool::refuseIf(arguments.follow && !arguments.screenshot.empty(),
                  "--follow needs a window, --screenshot has none");
   tool::requireOutput(arguments.screenshot, ".png");
-  tool::refuseSameFiles({arguments.map, arguments.picture.hints.trajectory,
+  tool::refuseSameFiles({arguments.map, arguments.picture.objects,
+                         arguments.picture.hints.trajectory,
                          arguments.picture.hints.label_set},
                         {arguments.screenshot});
   if (!arguments.colour.empty())
@@ -198,11 +199,12 @@ openMap(const Arguments& arguments)
   OpenedMap opened;
   opened.views = viewsOf(arguments.picture, input.scene, tool::posesInScene(input));
   opened.map = tool::viewedMap(input.scene, input.label_set, arguments.map);
+  opened.map.objects = tool::viewedObjects(
+      tool::readMapObjects(arguments.map, arguments.picture.objects, input.label_set),
+      input.label_set, input.scene.grid.size, input.scene.origin);
   opened.map.path = input.T_world_camera;
   for (Eigen::Isometry3d& pose : opened.map.path)
     pose.translation() -= input.scene.origin;
-  opened.map.boxes = boxLines(tool::objectsOf(arguments.map, "", input.label_set),
-                              input.label_set, input.scene.origin);
   opened.state = arguments.state;
   opened.state.hidden = labelsOf(arguments.hide, input.label_set);
   if (!arguments.colour.empty())

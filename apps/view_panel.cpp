@@ -105,6 +105,8 @@ drawPanel(const ViewedMap& map, const ViewState& state, int max_rows)
   writer.line(colouring.colours.note);
   if (std::isfinite(state.below))
     writer.line(cv::format("heights below %.2f m", state.below));
+  if (state.selected)
+    writer.line(map.objects[*state.selected].text);
   writer.gap();
   for (std::size_t i = 0; i < map.classes.size() && writer.hasRoom(); ++i) {
     const ViewedClass& each = map.classes[i];

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace pcl_semantic::tool {
 
@@ -85,6 +86,19 @@ toggleAll(const ViewedMap& map, ViewState& state)
   return Redraw::voxels;
 }
 
+// Selects the next object whose box is visible, and none after the last.
+Redraw
+selectNext(const ViewedMap& map, ViewState& state)
+{
+  std::size_t next = state.selected ? *state.selected + 1 : 0;
+  while (next < map.objects.size() && !state.shows(map.objects[next]))
+    ++next;
+  state.selected.reset();
+  if (next < map.objects.size())
+    state.selected = next;
+  return Redraw::panel;
+}
+
 Redraw
 flip(bool& flag)
 {
@@ -117,6 +131,29 @@ viewedMap(const VoxelScene& scene, const LabelSet& label_set, const std::string&
   if (scene.voxels.refined.size() == Eigen::Index(map.indices.size()))
     map.colourings.push_back({"entropy", entropyColours(scene)});
   return map;
+}
+
+std::vector<ViewedObject>
+viewedObjects(const std::vector<ObjectSummary>& objects, const LabelSet& label_set,
+              double voxel_size, const Eigen::Vector3d& origin)
+{
+  std::vector<ViewedObject> viewed;
+  for (const ObjectSummary& object : objects) {
+    ViewedObject each;
+    each.text = cv::format("object %u: ", object.id) + label_set[object.label].name;
+    if (object.track)
+      each.text += object.track->moving ? ", moving" : ", still";
+    if (object.track && object.track->speed > 0.0) // false for NaN
+      each.text += cv::format(", %.1f m/s", object.track->speed);
+    each.label = object.label;
+    each.colour = classColour(label_set, object.label);
+    each.box = object.yaw_box;
+    each.box.centre -= origin;
+    // The box of the points, which would be inside the outer voxels.
+    each.box.size.array() += 1.5 * voxel_size;
+    viewed.push_back(each);
+  }
+  return viewed;
 }
 
 std::size_t
@@ -186,7 +223,10 @@ press(const std::string& key, const ViewedMap& map, int views, ViewState& state)
   }
   if (key == "q" || key == "Escape")
     return flip(state.is_closed);
+  if (key == "n")
+    return selectNext(map, state);
   return key == "t"   ? flip(state.path)
+         : key == "b" ? flip(state.boxes)
          : key == "i" ? flip(state.pictures)
          : key == "l" ? flip(state.panel)
          : key == "h" ? flip(state.help)
@@ -198,6 +238,28 @@ toggle(Label label, ViewState& state)
 {
   if (state.hidden.erase(label) == 0)
     state.hidden.insert(label);
+}
+
+std::optional<std::size_t>
+objectAt(const ViewedMap& map, const ViewState& state, const Eigen::Vector3d& from,
+         const Eigen::Vector3d& to)
+{
+  std::optional<std::size_t> found;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    const YawBox& box = map.objects[i].box;
+    const Eigen::AngleAxisd back(-box.yaw, Eigen::Vector3d::UnitZ());
+    const Eigen::Array3d begin = back * (from - box.centre), way = back * (to - from);
+    const Eigen::Array3d lower = (-0.5 * box.size.array() - begin) / way,
+                         upper = (0.5 * box.size.array() - begin) / way;
+    const double enter = std::max(lower.min(upper).maxCoeff(), 0.0),
+                 leave = lower.max(upper).minCoeff();
+    if (state.shows(map.objects[i]) && enter <= leave && enter < nearest) {
+      nearest = enter;
+      found = i;
+    }
+  }
+  return found;
 }
 
 std::string
@@ -216,7 +278,8 @@ helpOnKeys()
       "m: next colouring",
       "Down, Up: ceiling lower, higher",
       "Home: no ceiling",
-      "t: path of the camera",
+      "t: path of the camera; b: boxes",
+      "n, click on a box: its object",
       "i: pictures of the camera",
       "v: next view",
       "l: this panel; h: these lines",

@@ -15,7 +15,6 @@
 #include <vtkActor2D.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
-#include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkImageMapper.h>
@@ -185,8 +184,12 @@ unlitActor(vtkPolyData* data)
   return actor;
 }
 
+// The red of rendered images.
+const cv::Vec3b path_colour(60, 60, 235);
+
 vtkSmartPointer<vtkActor>
-lineActor(const std::vector<SensorPath>& lines, float width)
+lineActor(const std::vector<SensorPath>& lines, float width,
+          const cv::Vec3b& colour = path_colour)
 {
   const auto points = vtkSmartPointer<vtkPoints>::New();
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
@@ -199,7 +202,8 @@ lineActor(const std::vector<SensorPath>& lines, float width)
   data->SetPoints(points);
   data->SetLines(cells);
   auto actor = unlitActor(data);
-  actor->GetProperty()->SetColor(235 / 255.0, 60 / 255.0, 60 / 255.0);
+  actor->GetProperty()->SetColor(colour[2] / 255.0, colour[1] / 255.0,
+                                 colour[0] / 255.0);
   actor->GetProperty()->SetLineWidth(width);
   return actor;
 }
@@ -238,19 +242,25 @@ actorOf(const Trajectory& path)
   return lineActor({pathOf(path)}, 4.0f);
 }
 
-vtkSmartPointer<vtkActor>
-actorOf(const std::vector<SceneLine>& lines)
+std::vector<vtkSmartPointer<vtkActor>>
+boxActors(const ViewedMap& map, const ViewState& state)
 {
-  std::vector<SensorPath> paths;
-  const auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
-  colours->SetNumberOfComponents(3);
-  for (const SceneLine& line : lines) {
-    paths.push_back({line.from, line.to});
-    colours->InsertNextTuple3(line.colour[2], line.colour[1], line.colour[0]);
-  }
-  auto actor = lineActor(paths, 2.0f);
-  actor->GetMapper()->GetInputAsDataSet()->GetCellData()->SetScalars(colours);
-  return actor;
+  std::vector<vtkSmartPointer<vtkActor>> actors;
+  for (const bool is_border : {true, false})
+    for (std::size_t i = 0; i < map.objects.size(); ++i) {
+      const ViewedObject& object = map.objects[i];
+      if (!state.shows(object))
+        continue;
+      std::vector<SensorPath> lines;
+      const std::vector<Eigen::Vector3d> corners = object.box.corners();
+      for (const auto& [from, to] : YawBox::edges)
+        lines.push_back({corners[from], corners[to]});
+      actors.push_back(lineActor(lines, is_border ? 5.0f : 2.0f,
+                                 is_border             ? cv::Vec3b(255, 255, 255)
+                                 : state.selected == i ? path_colour
+                                                       : object.colour));
+    }
+  return actors;
 }
 
 std::vector<vtkSmartPointer<vtkActor>>

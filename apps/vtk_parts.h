@@ -24,8 +24,10 @@ vtkSmartPointer<vtkActor> actorOf(const ViewedMap& map, const ViewState& state);
 /** \brief The path of a camera, in the red of rendered images. */
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
-/** \brief Lines in their colours. */
-vtkSmartPointer<vtkActor> actorOf(const std::vector<SceneLine>& lines);
+/** \brief The visible boxes of objects in the colours of their classes, the selected
+ * one in red, with white borders for contrast. */
+std::vector<vtkSmartPointer<vtkActor>> boxActors(const ViewedMap& map,
+                                                 const ViewState& state);
 
 /** \brief An image at its camera's position, with rays from the camera to its
  * corners. */

@@ -259,8 +259,8 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const SceneView& vie
         picture.at<cv::Vec3b>(row, column)[c] =
             cv::saturate_cast<std::uint8_t>(colour[c]);
     }
-  // A box goes through the outer voxels of its object.
-  drawLines(picture, cubes.depth, view, lines, 3.0 * scene.grid.size,
+  // The edges of a box are often just below the ground, which a ray meets earlier.
+  drawLines(picture, cubes.depth, view, lines, 8.0 * scene.grid.size,
             2 * kSupersampling);
   return picture;
 }

@@ -325,6 +325,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"truth", {{"IN/one/labels"}}},
     {"truth-depth", {{"IN/one/depth", "--range 0:9"}, {"IN/one/depth"}}},
     {"view", {{"above"}}},
+    {"view objects", {{"IN/objects.json"}}},
     {"voxel-size", {{"0.2"}, {"0.5"}}},
     {"window", {{"8,8,4"}}},
 };

@@ -101,6 +101,23 @@ TEST(RenderTool, DrawsMapsOfEveryKindAlikeAndEveryViewAndColour)
   EXPECT_EQ(coloured, 0);
 }
 
+TEST(RenderTool, DrawsTheBoxesOfAMapFolder)
+{
+  const Maps maps;
+  const cv::Mat plain = maps.render("MAPS/map"),
+                changes = maps.render("MAPS/map --compare MAPS/none");
+  succeed("things " + maps.path("map/map.pcd") + " " + maps.path("things.pcd") +
+          " --objects " + maps.path("map/objects.json"));
+  const cv::Mat boxes = maps.render("MAPS/map");
+  EXPECT_FALSE(isSameImage(boxes, plain));
+  EXPECT_TRUE(isSameImage(maps.render("MAPS/map --objects none"), plain));
+  EXPECT_TRUE(
+      isSameImage(maps.render("MAPS/map/map.pcd --trajectory MAPS/map/trajectory.txt "
+                              "--objects MAPS/map/objects.json"),
+                  boxes));
+  EXPECT_TRUE(isSameImage(maps.render("MAPS/map --compare MAPS/none"), changes));
+}
+
 TEST(BadUsage, RenderTool)
 {
   const std::string one = "0.05 0.05 0.05 1\n0.15 0.05 0.05 2\n";
@@ -156,6 +173,7 @@ TEST(BadUsage, RenderTool)
       {3, "calib.txt", draw + " --trajectory STREET/calib.txt", labelled},
       {5, "calib.txt", "render STREET/a.pcd STREET/calib.txt/b.png", labelled},
       {3, "none.yaml", draw + " --label-set none.yaml", labelled},
+      {3, "calib.txt: byte", draw + " --objects STREET/calib.txt", labelled},
   });
 }
 

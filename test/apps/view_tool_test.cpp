@@ -71,7 +71,14 @@ count(const cv::Mat& picture, const cv::Vec3b& colour)
 // Images of the viewer.
 class Views {
 public:
-  Views() { folder_.write("block.pcd", floorAndBlock()); }
+  Views()
+  {
+    folder_.write("block.pcd", floorAndBlock());
+    folder_.write("objects.json", R"({"objects": [{"id": 4, "label": 6, "points": 256,
+      "centre": [1.5, 1.5, 0.3], "box": {"min": [1.15, 1.15, 0.15], "max": [1.85, 1.85,
+      0.45]}, "yaw_box": {"centre": [1.5, 1.5, 0.3], "size": [0.7, 0.7, 0.3],
+      "yaw": 0}}]})");
+  }
 
   std::string
   path(const std::string& name) const
@@ -198,6 +205,28 @@ TEST_F(ViewTool, KeysDoWhatOptionsDo)
   for (std::size_t i = 0; i < 10; i += 2) // each does something else
     for (std::size_t j = 0; j < i; j += 2)
       EXPECT_FALSE(isSameImage(pictures[i], pictures[j])) << all[i] << ", " << all[j];
+}
+
+TEST_F(ViewTool, DrawsTheBoxesOfObjects)
+{
+  const Views view;
+  const std::string plain = "MAPS/block.pcd --view above",
+                    boxes = plain + " --objects MAPS/objects.json";
+  const std::vector<cv::Mat> seen =
+      view({plain, plain + " --objects none", boxes + " --keys b", boxes,
+            boxes + " --keys b,b", boxes + " --keys n,n", // 3 to 5
+            boxes + " --keys n", boxes + " --hide car", plain + " --hide car"});
+  for (const auto& [i, j] : {std::pair(0, 1), {0, 2}, {3, 4}, {3, 5}, {7, 8}})
+    EXPECT_TRUE(isSameImage(seen[std::size_t(i)], seen[std::size_t(j)])) << i << j;
+  const cv::Vec3b car(128, 0, 64), red(60, 60, 235); // blue, green, red
+  EXPECT_EQ(count(seen[0], car), 0);
+  EXPECT_GT(count(seen[3], car), 100);
+  EXPECT_EQ(count(seen[3], red), 0);
+  EXPECT_GT(count(seen[6], red), 100) << "the selected one";
+  EXPECT_EQ(count(seen[6], car), 0);
+  EXPECT_FALSE(isSameImage(seen[6](cv::Rect(0, 150, 150, 150)),
+                           seen[3](cv::Rect(0, 150, 150, 150))))
+      << "the panel describes it";
 }
 
 TEST_F(ViewTool, HasALegendInTheColoursOfTheClasses)
@@ -343,6 +372,7 @@ TEST(BadUsage, ViewTool)
          std::ofstream(street + "/a.pcd") << asciiCloud("x y z", "1 2 3\n");
        }},
       {2, "--hide: no class is called 'cat'", draw + " --hide cat", cloud},
+      {3, "a.pcd: byte 1 is no JSON", draw + " --objects STREET/a.pcd", cloud},
       {2, "--images needs the poses of the camera", draw + " --images STREET", cloud},
       {2, "none for --frame 0", draw + " --view camera", cloud},
       {5, "calib.txt", "view STREET/a.pcd --screenshot STREET/calib.txt/b.png", cloud},
