@@ -138,8 +138,7 @@ outputsOf(MapOptions& options, bool& things, MapProgram program)
        "commit to the archive every N frames"},
       {"things", things,
        "number the objects of the classes marked thing in the label set and follow "
-       "them "
-       "over the frames; writes objects.json and boxes.ply"},
+       "them over the frames; writes objects.json and boxes.ply"},
       {"view", options.view, "show the map in a window while it grows"}};
   if (program == MapProgram::live) {
     all.emplace_back("every-frame", options.every_frame,

@@ -18,7 +18,6 @@ namespace pcl_semantic {
  * hit wins over a miss, and colours and labels of the hit voxels. */
 class BlockUpdate {
 public:
-  /** \param[in] classes L */
   BlockUpdate(const LabelSet& label_set, const MapParameters& parameters,
               const Scan& scan);
 

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <set>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace pcl_semantic {
@@ -61,10 +63,11 @@ struct Cell {
   std::uint32_t observations = 0;
 };
 
-double
-gapBetween(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b)
+// World frame [m].
+Eigen::Vector3d
+positionOf(const VoxelCloud& voxels, std::size_t i)
 {
-  return a.exteriorDistance(b);
+  return (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
 }
 
 } // namespace
@@ -133,8 +136,7 @@ see(Component& component, const VoxelCloud& voxels, const VoxelMapOf<Cell>& cell
     const auto cell = cells.find(voxels.indices[i]);
     if (cell != cells.end() && cell->second.observations == voxels.observations[i])
       continue;
-    const Eigen::Vector3d point =
-        (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
+    const Eigen::Vector3d point = positionOf(voxels, i);
     component.seen.centre += point;
     component.seen.box.extend(point);
     component.seen.voxels.push_back(voxels.indices[i]);
@@ -224,9 +226,7 @@ ObjectTracker::State::split(Component component, const VoxelCloud& voxels,
     else if (const auto cell = cells.find(voxel); cell != cells.end())
       owner = cell->second.object;
     if (component.shared.count(owner) == 0) {
-      const Eigen::Vector3d point =
-          (*voxels.cloud)[std::size_t(index)].getVector3fMap().cast<double>() +
-          voxels.origin;
+      const Eigen::Vector3d point = positionOf(voxels, std::size_t(index));
       double nearest = HUGE_VAL;
       for (const auto& [number, box] : place)
         if (const double distance = box.squaredExteriorDistance(point);
@@ -261,11 +261,11 @@ ObjectTracker::State::matchShared(std::vector<Component>& components)
     return std::tie(std::get<1>(a), std::get<2>(a)) <
            std::tie(std::get<1>(b), std::get<2>(b));
   });
-  std::map<Number, bool> is_taken;
+  std::set<Number> taken;
   for (const auto& [count, number, c] : pairs)
-    if (!components[c].track && !is_taken[number]) {
+    if (!components[c].track && taken.count(number) == 0) {
       components[c].track = &tracks.at(number);
-      is_taken[number] = true;
+      taken.insert(number);
     }
   for (const auto& [count, number, c] : pairs)
     if (!components[c].track && components[c].seen.voxels.empty())
@@ -275,8 +275,8 @@ ObjectTracker::State::matchShared(std::vector<Component>& components)
           break;
         }
   for (const auto& [count, number, c] : pairs)
-    if (!is_taken[number]) {
-      is_taken[number] = true;
+    if (taken.count(number) == 0) {
+      taken.insert(number);
       Track& joined = tracks.at(number);
       if (joined.summary.moving) // it may come into view again
         continue;
@@ -296,14 +296,14 @@ ObjectTracker::State::matchShared(std::vector<Component>& components)
 void
 ObjectTracker::State::matchNear(std::vector<Component>& components)
 {
-  std::map<Number, bool> is_taken;
+  std::set<Number> taken;
   for (const Component& component : components)
     if (component.track)
-      is_taken[component.track->number] = true;
+      taken.insert(component.track->number);
   std::vector<std::tuple<double, Number, std::size_t>> pairs;
   for (const auto& [number, track] : tracks) {
     const int since = frames - track.last_frame;
-    if (is_taken[number] || track.sightings.empty() || since > kMemory ||
+    if (taken.count(number) > 0 || track.sightings.empty() || since > kMemory ||
         !label_set[track.label].dynamic)
       continue;
     Eigen::AlignedBox3d place = track.sightings.back().box;
@@ -312,14 +312,15 @@ ObjectTracker::State::matchNear(std::vector<Component>& components)
     for (std::size_t c = 0; c < components.size(); ++c)
       if (!components[c].track && components[c].label == track.label &&
           !components[c].seen.voxels.empty())
-        if (const double gap = gapBetween(place, components[c].seen.box); gap < reach)
+        if (const double gap = place.exteriorDistance(components[c].seen.box);
+            gap < reach)
           pairs.emplace_back(gap, number, c);
   }
   std::sort(pairs.begin(), pairs.end());
   for (const auto& [gap, number, c] : pairs)
-    if (!components[c].track && !is_taken[number]) {
+    if (!components[c].track && taken.count(number) == 0) {
       components[c].track = &tracks.at(number);
-      is_taken[number] = true;
+      taken.insert(number);
     }
 }
 
@@ -408,11 +409,11 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
   state.left.clear();
   const VoxelMapOf<Number> predicted = state.predictions(voxels.voxel_size);
   std::vector<Component> components;
-  VoxelMapOf<bool> present;
+  std::unordered_set<VoxelIndex, VoxelIndexHash> present;
   for (Component& whole : state.components(voxels)) {
     for (const pcl::index_t index : whole.indices) {
       const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
-      present[voxel] = true;
+      present.insert(voxel);
       const auto cell = state.cells.find(voxel);
       if (cell != state.cells.end())
         ++whole.shared[cell->second.object];
@@ -488,7 +489,8 @@ ObjectTracker::numbers(const VoxelCloud& voxels) const
 std::vector<ObjectSummary>
 ObjectTracker::summarize(const VoxelCloud& voxels) const
 {
-  const std::vector<std::uint32_t> all = numbers(voxels);
+  const std::vector<std::uint32_t> all =
+      voxels.objects.empty() ? numbers(voxels) : voxels.objects;
   std::map<Number, pcl::Indices> members;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i] != 0)
@@ -496,11 +498,7 @@ ObjectTracker::summarize(const VoxelCloud& voxels) const
   std::vector<ObjectSummary> summaries;
   for (const auto& [number, indices] : members) {
     summaries.push_back(summarizeObject(
-        indices,
-        [&](std::size_t i) -> Eigen::Vector3d {
-          return (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
-        },
-        voxels.refined));
+        indices, [&](std::size_t i) { return positionOf(voxels, i); }, voxels.refined));
     ObjectSummary& summary = summaries.back();
     summary.id = number;
     summary.label = state_->tracks.at(number).label;

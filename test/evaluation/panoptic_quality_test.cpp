@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/named_classes.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/evaluation/panoptic_quality.h>
@@ -19,12 +20,8 @@ constexpr Label road = 1, car = 2, person = 3;
 LabelSet
 threeClasses()
 {
-  std::vector<LabelClass> classes(3);
-  classes[0].name = "road";
-  classes[1].name = "car";
-  classes[1].thing = true;
-  classes[2].name = "person";
-  classes[2].thing = true;
+  std::vector<LabelClass> classes = namedClasses({"road", "car", "person"});
+  classes[1].thing = classes[2].thing = true;
   return LabelSet(classes);
 }
 

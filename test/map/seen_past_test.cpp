@@ -2,6 +2,7 @@
 
 // Voxels of dynamic classes become free where scans see past them.
 
+#include "support/named_classes.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -28,9 +29,7 @@ constexpr double kVoxel = 0.25;
 LabelSet
 twoClasses()
 {
-  std::vector<LabelClass> classes(2);
-  classes[0].name = "still";
-  classes[1].name = "moving";
+  std::vector<LabelClass> classes = namedClasses({"still", "moving"});
   classes[1].dynamic = true;
   return LabelSet(classes);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/things/object_extraction.h>
 
+#include "support/named_classes.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -105,12 +106,8 @@ objectsOf(ObjectExtraction<pcl::PointXYZL>& extraction, const Cloud::Ptr& cloud)
 LabelSet
 roadCarPerson()
 {
-  std::vector<LabelClass> classes(3);
-  classes[0].name = "road";
-  classes[1].name = "car";
-  classes[1].thing = true;
-  classes[2].name = "person";
-  classes[2].thing = true;
+  std::vector<LabelClass> classes = namedClasses({"road", "car", "person"});
+  classes[1].thing = classes[2].thing = true;
   classes[2].gap = 0.3;
   return LabelSet(classes);
 }

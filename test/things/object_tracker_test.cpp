@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/things/object_tracker.h>
 
+#include "support/named_classes.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -21,11 +22,8 @@ constexpr Label kRoad = 1, kCar = 2, kPole = 3;
 LabelSet
 streetLabels()
 {
-  std::vector<LabelClass> classes(3);
-  classes[0].name = "road";
-  classes[1].name = "car";
+  std::vector<LabelClass> classes = namedClasses({"road", "car", "pole"});
   classes[1].dynamic = classes[1].thing = true;
-  classes[2].name = "pole";
   classes[2].thing = true;
   for (std::size_t c = 0; c < classes.size(); ++c)
     classes[c].colour = {std::uint8_t(c + 1), 0, 0};

@@ -61,7 +61,8 @@ public:
   std::vector<std::uint32_t> numbers(const VoxelCloud& voxels) const;
 
   /** \brief Describes the objects, in the order of their numbers, in the world frame.
-   * \param[in] voxels all occupied voxels of the map */
+   * \param[in] voxels all occupied voxels of the map; without VoxelCloud::objects,
+   * those are computed */
   std::vector<ObjectSummary> summarize(const VoxelCloud& voxels) const;
 
 private:
