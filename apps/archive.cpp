@@ -5,6 +5,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/printable.h>
+#include <pcl_semantic/files/object_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
@@ -33,7 +34,7 @@ const Usage usage{
   info    prints the contents of an archive
   verify  reads the whole archive and compares every checksum: prints 'ok' or the faults
   export  writes the occupied voxels as a cloud like map.pcd; x y z are relative to the
-          origin that info prints
+          origin that info prints, the boxes of --objects and --boxes to the world
   merge   joins maps in one frame of reference into a new archive OUT; --poses moves
           maps to that frame
   changes writes the voxels that are occupied in one map and free in the other: red if
@@ -49,6 +50,7 @@ struct Arguments {
   std::string box;                  ///< six numbers; empty = everything
   std::vector<std::string> classes; ///< empty = all
   std::vector<std::string> poses;   ///< corrected trajectories; empty = none
+  std::string objects, boxes;       ///< files of export; empty = none
 };
 
 BlockProgress
@@ -98,6 +100,8 @@ info(const Arguments& arguments)
   results.push_back({"origin", textOf(state.cloud_origin)});
   results.push_back({"classes", classes});
   results.push_back({"blocks", std::size_t(state.blocks)});
+  if (archive->objects())
+    results.push_back({"objects", describeObjects(*archive).size()});
   results.push_back({"occupied", std::size_t(extent.voxels)});
   if (extent.voxels > 0) {
     results.push_back({"from", textOf(extent.box.min())});
@@ -142,17 +146,39 @@ selectionOf(const Arguments& arguments, const LabelSet& label_set)
   return selection;
 }
 
+// The files of --objects and --boxes.
+void
+writeThings(const MapReader& archive, const VoxelSelection& selection,
+            const Arguments& arguments, Results& results)
+{
+  if (arguments.objects.empty() && arguments.boxes.empty())
+    return;
+  if (!archive.objects())
+    fail<BadInputException>(archive.path(), ": has no objects");
+  const std::vector<ObjectSummary> objects =
+      describeObjects(archive, selection, showProgress("describing"));
+  const LabelSet& label_set = archive.header().label_set;
+  results.push_back({"objects", objects.size()});
+  if (!arguments.objects.empty())
+    writeObjects(arguments.objects, objects, label_set);
+  if (!arguments.boxes.empty())
+    writeBoxes(arguments.boxes, objects, label_set);
+}
+
 int
 exportCloud(const Arguments& arguments)
 {
   refuseIf(arguments.files.size() != 2, "'export' needs FILE and OUT.pcd");
-  refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
+  refuseSameFiles({arguments.files[0]},
+                  {arguments.files[1], arguments.objects, arguments.boxes});
   const std::unique_ptr<MapReader> archive = MapReader::open(arguments.files[0]);
   const VoxelSelection selection = selectionOf(arguments, archive->header().label_set);
   const std::size_t voxels =
       exportVoxels(*archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
-  printResults({{"voxels", voxels}, {"cloud", arguments.files[1]}});
+  Results results = {{"voxels", voxels}, {"cloud", arguments.files[1]}};
+  writeThings(*archive, selection, arguments, results);
+  printResults(results);
   return exit_done;
 }
 
@@ -216,19 +242,23 @@ Arguments
 parse(int argc, char** argv)
 {
   Arguments arguments;
-  parseCommandLine(argc, argv, usage,
-                   {{"command", arguments.command,
-                     "command: info, verify, export, merge or changes"},
-                    {"files", arguments.files, "input archives, then the output file"},
-                    {"box", arguments.box,
-                     "box of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
-                    {"class", arguments.classes,
-                     "class of the exported voxels; may be given several times"},
-                    {"poses", arguments.poses,
-                     "corrected trajectory (KITTI or TUM) for merge and changes; moves "
-                     "each map rigidly with the pose of its middle frame; one for all "
-                     "maps, or one for each FILE"}},
-                   {"command", "files..."});
+  parseCommandLine(
+      argc, argv, usage,
+      {{"command", arguments.command,
+        "command: info, verify, export, merge or changes"},
+       {"files", arguments.files, "input archives, then the output file"},
+       {"box", arguments.box,
+        "box of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
+       {"class", arguments.classes,
+        "class of the exported voxels; may be given several times"},
+       {"objects", arguments.objects,
+        "file for the objects of export (.json), see doc/things.md"},
+       {"boxes", arguments.boxes, "file for the boxes of the objects of export (.ply)"},
+       {"poses", arguments.poses,
+        "corrected trajectory (KITTI or TUM) for merge and changes; moves "
+        "each map rigidly with the pose of its middle frame; one for all "
+        "maps, or one for each FILE"}},
+      {"command", "files..."});
   return arguments;
 }
 
@@ -246,8 +276,9 @@ runCommand(const Arguments& arguments)
            "'" + arguments.command +
                "': expected info, verify, export, merge or changes");
   refuseIf(command->second != exportCloud &&
-               !(arguments.box.empty() && arguments.classes.empty()),
-           "--box and --class are for 'export'");
+               !(arguments.box.empty() && arguments.classes.empty() &&
+                 arguments.objects.empty() && arguments.boxes.empty()),
+           "--box, --class, --objects and --boxes are for 'export'");
   refuseIf(command->second != merge && command->second != changes &&
                !arguments.poses.empty(),
            "--poses is for 'merge' and 'changes'");

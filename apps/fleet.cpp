@@ -357,6 +357,10 @@ mapFleet(const std::string& path, const Ranks& ranks)
     return exit_done;
   removeOtherTiles(index, tiles);
   removeOtherSubmaps(plan->output + "/submaps", tasks);
+  std::vector<Submap> submaps;
+  for (const Task& task : tasks)
+    submaps.push_back(task.submap());
+  mergeTiledObjects(submaps, index);
   writeTileIndex(index, order);
   std::set<std::string> names;
   for (const Task& task : tasks)

@@ -11,6 +11,7 @@
 #include <pcl_semantic/files/object_file.h>
 #include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
@@ -128,10 +129,15 @@ std::vector<ObjectSummary>
 readMapObjects(const std::string& path, const std::string& file,
                const LabelSet& label_set)
 {
-  const std::string own = path + "/objects.json";
-  if (file == "none" || (file.empty() && !(isFolder(path) && isThere(own))))
+  if (file == "none")
     return {};
-  return readObjects(file.empty() ? own : file, label_set);
+  if (!file.empty())
+    return readObjects(file, label_set);
+  if (!isFolder(path))
+    return isCloud(path) ? std::vector<ObjectSummary>()
+                         : describeObjects(*MapReader::open(path));
+  const std::string own = path + "/objects.json";
+  return isThere(own) ? readObjects(own, label_set) : std::vector<ObjectSummary>();
 }
 
 void

@@ -32,8 +32,8 @@ MapInput readMap(const std::string& path, const MapHints& hints);
 
 /** \brief Reads the objects of a map; their boxes are in the world frame.
  * \param[in] path of the map
- * \param[in] file list of objects; empty: objects.json of a map folder, if there is
- * one; "none": there are no objects
+ * \param[in] file list of objects; empty: those of an archive, or objects.json of a map
+ * folder, if there is one; "none": there are no objects
  * \throws BadInputException as readObjects() */
 std::vector<ObjectSummary> readMapObjects(const std::string& path,
                                           const std::string& file,

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::int64_t kVersion = 2; // 2: positions of hits
 
-constexpr std::size_t kMaxMeta = 1 << 24;
+constexpr std::size_t kMaxMeta = 1 << 26; // an object of 4 million voxels
 constexpr std::size_t kMaxFrame = 1 << 16;
 constexpr std::size_t kMaxBlock = 1 << 21; // 512 records of 255 classes: 1.1 MB
 
@@ -258,6 +258,21 @@ ArchiveDatabase::getMeta(const std::string& name,
   row.forEachRow([&] { readAt(path() + ": '" + name + "'", read); }, name);
   if (!content)
     badInput(path(), ": is damaged: has no '", name, "'");
+}
+
+bool
+ArchiveDatabase::hasMeta(const std::string& name)
+{
+  SqliteStatement row(database_, "SELECT 1 FROM meta WHERE name = ?");
+  bool is_there = false;
+  row.forEachRow([&] { is_there = true; }, name);
+  return is_there;
+}
+
+void
+ArchiveDatabase::eraseMeta(const std::string& name)
+{
+  SqliteStatement(database_, "DELETE FROM meta WHERE name = ?").run(name);
 }
 
 void

@@ -48,6 +48,10 @@ public:
   void getMeta(const std::string& name,
                const std::function<void(const Bytes&)>& decode);
 
+  bool hasMeta(const std::string& name);
+
+  void eraseMeta(const std::string& name);
+
   void putFrame(int number, const Bytes& content);
   void forEachFrame(const std::function<void(int, const Bytes&)>& visit);
   std::uint64_t countFrames();

@@ -7,6 +7,7 @@
 #include "core/parallel_guard.h"
 #include "core/split.h"
 #include "moved_archive.h"
+#include "object_merge.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -18,6 +19,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -87,6 +89,25 @@ stateOf(const Archives& archives)
       state.cloud_origin = each.cloud_origin;
   }
   return state;
+}
+
+// The objects of the inputs in the order of their names; nothing if none has objects.
+std::optional<MapObjects>
+objectsOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
+{
+  std::map<std::string, PlacedObjects> placed;
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (std::optional<MapObjects> objects = archives[i]->archive().objects()) {
+      Eigen::Isometry3d motion = inputs[i].motion;
+      motion.translation() /= archives[i]->archive().header().parameters.voxel_size;
+      placed[inputs[i].path] = {std::move(*objects), motion};
+    }
+  if (placed.empty())
+    return {};
+  std::vector<PlacedObjects> maps;
+  for (auto& [path, objects] : placed)
+    maps.push_back(std::move(objects));
+  return mergeObjects(maps);
 }
 
 int
@@ -256,6 +277,23 @@ mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
   });
 }
 
+void
+mergeTiledObjects(const std::vector<PlacedArchive>& inputs, const std::string& index)
+{
+  const Archives archives = openAll(inputs);
+  const std::optional<MapObjects> objects = objectsOf(archives, inputs);
+  const std::string path = tiledObjectsPath(index);
+  std::filesystem::remove(path);
+  if (!objects)
+    return;
+  makeArchiveFile(path, [&](const std::string& temporary) {
+    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
+    merged->putObjects(*objects);
+    merged->commit(stateOf(archives));
+    merged->close();
+  });
+}
+
 std::uint64_t
 mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& output,
               const MergeOptions& options)
@@ -274,6 +312,8 @@ mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& outpu
       if (options.progress)
         options.progress(++done, tiles.size());
     }
+    if (const std::optional<MapObjects> objects = objectsOf(archives, inputs))
+      merged->putObjects(*objects);
     merged->commit(stateOf(archives));
     blocks = merged->state().blocks;
     merged->close();

@@ -2,6 +2,7 @@
 #include "archive_meta.h"
 #include "core/fail.h"
 
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -60,8 +61,11 @@ encodeLabelSet(const LabelSet& label_set)
     for (const std::uint8_t channel : each.colour)
       writer.put(channel);
     writer.put(static_cast<std::uint8_t>(each.sky));
-    writer.put(
-        static_cast<std::uint8_t>(each.dynamic | each.thin << 1 | each.thing << 2));
+    const bool has_gap = each.gap > 0.0;
+    writer.put(static_cast<std::uint8_t>(each.dynamic | each.thin << 1 |
+                                         each.thing << 2 | has_gap << 3));
+    if (has_gap)
+      writer.put(each.gap);
   }
   return writer.bytes();
 }
@@ -80,6 +84,10 @@ decodeLabelSet(const Bytes& bytes)
     each.dynamic = flags & 1;
     each.thin = flags & 2;
     each.thing = flags & 4;
+    if (flags & 8)
+      each.gap = reader.get<double>();
+    if (!(each.gap >= 0.0 && std::isfinite(each.gap)))
+      badInput("has a gap of ", each.gap, ", expected 0 or more [m]");
   }
   requireEnd(reader);
   return makeOrRefuse([&] { return LabelSet(std::move(classes)); });

@@ -3,6 +3,7 @@
 
 #include "archive_database.h"
 #include "archive_meta.h"
+#include "archive_objects.h"
 #include "block_encoding.h"
 #include "core/digest.h"
 #include "core/fail.h"
@@ -157,6 +158,7 @@ struct MapArchive::Implementation {
   BlockIndexSet stored; // in the file, or in the open transaction
   std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> pending;
   std::size_t pending_bytes = 0;
+  ArchiveObjectWriter objects;
   bool writable = false;
   std::recursive_mutex mutex; // recursive, because a visitor may request other blocks
 };
@@ -369,6 +371,22 @@ MapArchive::state() const
   return implementation_->state;
 }
 
+void
+MapArchive::putObjects(const MapObjects& objects)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] { my.objects.write(my.database, objects); });
+}
+
+std::optional<MapObjects>
+MapArchive::objects() const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  return readArchiveObjects(my.database, my.header.label_set.size());
+}
+
 namespace {
 
 void
@@ -437,6 +455,7 @@ verifyArchive(const std::string& path, const BlockProgress& progress)
       checkFrameCount(database, state);
       database.forEachFrame([](int, const Bytes&) {});
     });
+    check([&] { readArchiveObjects(database, classes); });
   });
   return faults;
 }

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -88,6 +90,42 @@ readVoxels(const MapReader& archive, const VoxelSelection& selection)
   return selected;
 }
 
+std::vector<ObjectSummary>
+describeObjects(const MapReader& archive, const VoxelSelection& selection,
+                const BlockProgress& progress)
+{
+  std::optional<MapObjects> objects = archive.objects();
+  if (!objects)
+    return {};
+  const ObjectLookup lookup(std::move(*objects));
+  const int classes = archive.header().label_set.size();
+  VoxelCloud found; // the voxels of objects
+  found.voxel_size = archive.header().parameters.voxel_size;
+  found.origin = archive.state().cloud_origin;
+  std::vector<float> probabilities; // of found
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress)
+      progress(++done, archive.state().blocks);
+  };
+  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
+    const std::vector<std::uint32_t> numbers = lookup.numbers(voxels);
+    const std::vector<bool> is_selected = select(selection, voxels);
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      if (numbers[i] == 0 || !is_selected[i])
+        continue;
+      found.cloud->push_back((*voxels.cloud)[i]);
+      found.indices.push_back(voxels.indices[i]);
+      found.objects.push_back(numbers[i]);
+      const float* const column = voxels.refined.column(Eigen::Index(i));
+      probabilities.insert(probabilities.end(), column, column + classes);
+    }
+  });
+  found.refined = LabelDistributions(classes, Eigen::Index(found.size()));
+  std::copy(probabilities.begin(), probabilities.end(), found.refined.matrix().data());
+  return lookup.summarize(found);
+}
+
 std::size_t
 exportVoxels(const MapReader& archive, const VoxelSelection& selection,
              const std::string& path, VoxelColour colour, const BlockProgress& progress)
@@ -97,6 +135,9 @@ exportVoxels(const MapReader& archive, const VoxelSelection& selection,
     if (progress)
       progress(++done, 2 * archive.state().blocks);
   };
+  std::optional<ObjectLookup> lookup;
+  if (std::optional<MapObjects> objects = archive.objects())
+    lookup.emplace(std::move(*objects));
   std::size_t count = 0;
   bool has_colour = false;
   forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
@@ -108,8 +149,10 @@ exportVoxels(const MapReader& archive, const VoxelSelection& selection,
     colour = VoxelColour::none;
   VoxelCloudWriter writer(path, archive.header().label_set, colour, count,
                           archive.header().parameters.voxel_size,
-                          archive.state().cloud_origin);
-  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
+                          archive.state().cloud_origin, lookup.has_value());
+  forEachCloud(archive, step, [&](VoxelCloud& voxels) {
+    if (lookup)
+      voxels.objects = lookup->numbers(voxels);
     writer.write(voxels, select(selection, voxels));
   });
   writer.commit();

@@ -8,7 +8,8 @@
 namespace pcl_semantic {
 
 void
-saveMap(const SemanticVoxelMap& map, const std::string& path)
+saveMap(const SemanticVoxelMap& map, const std::string& path,
+        const std::optional<MapObjects>& objects)
 {
   makeArchiveFile(path, [&](const std::string& temporary) {
     const auto archive = MapArchive::create(
@@ -16,6 +17,8 @@ saveMap(const SemanticVoxelMap& map, const std::string& path)
     map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
       archive->put(index, block);
     });
+    if (objects)
+      archive->putObjects(*objects);
     ArchiveState state;
     state.cloud_origin = map.cloudOrigin();
     state.finished = true;

@@ -245,6 +245,15 @@ mergeSubmaps(const std::vector<Submap>& submaps, const std::string& output,
   return mergeArchives(merge.archives, output, merge.options);
 }
 
+void
+mergeTiledObjects(const std::vector<Submap>& submaps, const std::string& index)
+{
+  std::vector<PlacedArchive> archives;
+  for (const Submap& submap : submaps)
+    archives.push_back(placed(submap));
+  mergeTiledObjects(archives, index);
+}
+
 std::vector<MapTile>
 tilesOf(const Submap& submap)
 {

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "core/parse_whole.h"
 #include "core/split.h"
+#include "files/is_there.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -34,6 +35,12 @@ std::string
 tilePath(const std::string& index, const MapTile& tile)
 {
   return (std::filesystem::path(index).parent_path() / nameOf(tile)).string();
+}
+
+std::string
+tiledObjectsPath(const std::string& index)
+{
+  return (std::filesystem::path(index).parent_path() / "objects.map").string();
 }
 
 void
@@ -131,7 +138,19 @@ TiledMap::faults(const BlockProgress& progress) const
     catch (const BadInputException& error) {
       faults.push_back(error.what());
     }
+  if (const std::string objects = tiledObjectsPath(path_); isThere(objects))
+    for (const std::string& fault : verifyArchive(objects))
+      faults.push_back(fault);
   return faults;
+}
+
+std::optional<MapObjects>
+TiledMap::objects() const
+{
+  const std::string path = tiledObjectsPath(path_);
+  if (!isThere(path))
+    return {};
+  return MapArchive(path, ArchiveAccess::read).objects();
 }
 
 const MapArchive*

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ public:
   {
     return state_;
   }
+
+  std::optional<MapObjects> objects() const override;
 
   /** \brief See verifyArchive(). */
   std::vector<std::string> faults(const BlockProgress& progress) const;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <unordered_map>
@@ -30,30 +31,16 @@ constexpr double kMovedShare = 0.5;
 // Gap between a place and the next one of an object with unknown motion [m/frame].
 constexpr double kMaxJump = 3.0;
 
-// What one frame saw of an object.
-struct Sighting {
-  int frame = 0; // counted from 0
-  double timestamp = 0.0;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero(); // of the hit points [m]
-  Eigen::AlignedBox3d box;                          // of the hit points [m]
-  std::vector<VoxelIndex> voxels;                   // those hit
-};
-
-struct Track {
-  Number number = 0;
-  Label label = kUnlabelled;
-  ObjectTrack summary;
-  int last_frame = 0;             // counted from 0
-  int last_moved = -2 * kMemory;  // last frame with evidence of motion
-  std::vector<VoxelIndex> voxels; // in any order
-  std::deque<Sighting> sightings; // of the last kMemory + 1 frames
+// Its voxels are in any order, and cells have their observations.
+struct Track : MapObject {
+  ObjectTracker::Window extent; // contains all voxels
 };
 
 // A group of voxels of one class in the present map.
 struct Component {
   Label label = kUnlabelled;
   pcl::Indices indices;
-  Sighting seen;                        // by the present frame
+  ObjectSighting seen;                  // by the present frame
   std::map<Number, std::size_t> shared; // voxels that are a track's, or will be
   Track* track = nullptr;
 };
@@ -68,6 +55,13 @@ Eigen::Vector3d
 positionOf(const VoxelCloud& voxels, std::size_t i)
 {
   return (*voxels.cloud)[i].getVector3fMap().cast<double>() + voxels.origin;
+}
+
+// Whether update() can change the voxels of a track.
+bool
+isIn(const ObjectTracker::Window& window, const Track& track)
+{
+  return window.intersects(track.extent);
 }
 
 } // namespace
@@ -89,6 +83,7 @@ struct ObjectTracker::State {
   std::size_t min_voxels = 0;
   Number last_number = 0;
   int frames = 0;
+  std::optional<int> last_frame; // its number
   std::vector<VoxelIndex> left;
 
   std::vector<Component> components(const VoxelCloud& voxels);
@@ -130,7 +125,7 @@ namespace {
 void
 see(Component& component, const VoxelCloud& voxels, const VoxelMapOf<Cell>& cells)
 {
-  component.seen = Sighting();
+  component.seen = ObjectSighting();
   for (const pcl::index_t index : component.indices) {
     const auto i = std::size_t(index);
     const auto cell = cells.find(voxels.indices[i]);
@@ -283,6 +278,7 @@ ObjectTracker::State::matchShared(std::vector<Component>& components)
       Track& whole = *components[c].track;
       whole.voxels.insert(whole.voxels.end(), joined.voxels.begin(),
                           joined.voxels.end());
+      whole.extent.extend(joined.extent);
       for (const VoxelIndex& voxel : joined.voxels)
         cells[voxel].object = whole.number;
       whole.summary.first_frame =
@@ -332,7 +328,7 @@ ObjectTracker::State::judgeMotion(Track& track, const Component& component,
   if (!label_set[track.label].dynamic || component.seen.voxels.empty() ||
       track.sightings.empty())
     return;
-  const Sighting& before = track.sightings.front();
+  const ObjectSighting& before = track.sightings.front();
   std::size_t inside = 0, gone = 0;
   for (const VoxelIndex& voxel : before.voxels)
     if (window.contains(voxel)) {
@@ -346,7 +342,7 @@ ObjectTracker::State::judgeMotion(Track& track, const Component& component,
       (component.seen.centre - before.centre).norm() > 3.0 * voxel_size;
   if (has_moved)
     track.last_moved = frames;
-  track.summary.moving = frames - track.last_moved < 3;
+  track.summary.moving = track.last_moved && frames - *track.last_moved < 3;
   track.summary.motion = Eigen::Vector3d::Zero();
   track.summary.speed = 0.0;
   if (!track.summary.moving)
@@ -391,6 +387,9 @@ ObjectTracker::State::take(Component& component, const VoxelCloud& voxels,
     cells[voxel] = {track.number, observations};
   }
   track.voxels = std::move(kept);
+  track.extent.setEmpty();
+  for (const VoxelIndex& voxel : track.voxels)
+    track.extent.extend(voxel);
   if (component.seen.voxels.empty())
     return;
   track.last_frame = frames;
@@ -407,6 +406,9 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
 {
   State& state = *state_;
   state.left.clear();
+  if (state.last_frame == frame.number)
+    --state.frames;
+  state.last_frame = frame.number;
   const VoxelMapOf<Number> predicted = state.predictions(voxels.voxel_size);
   std::vector<Component> components;
   std::unordered_set<VoxelIndex, VoxelIndexHash> present;
@@ -429,6 +431,8 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
   }
   // Voxels of the window that are no object's any more.
   for (auto& [number, track] : state.tracks) {
+    if (!isIn(window, track))
+      continue;
     const auto is_gone = [&](const VoxelIndex& voxel) {
       return window.contains(voxel) && present.count(voxel) == 0;
     };
@@ -456,13 +460,12 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
   for (auto track = state.tracks.begin(); track != state.tracks.end();) {
     auto& list = track->second.voxels;
     const Number number = track->first;
-    list.erase(std::remove_if(list.begin(), list.end(),
-                              [&](const VoxelIndex& voxel) {
-                                const auto cell = state.cells.find(voxel);
-                                return cell == state.cells.end() ||
-                                       cell->second.object != number;
-                              }),
-               list.end());
+    const auto is_others = [&](const VoxelIndex& voxel) {
+      const auto cell = state.cells.find(voxel);
+      return cell == state.cells.end() || cell->second.object != number;
+    };
+    if (isIn(window, track->second))
+      list.erase(std::remove_if(list.begin(), list.end(), is_others), list.end());
     const bool is_over =
         list.empty() && state.frames - track->second.last_frame > kMemory;
     track = is_over ? state.tracks.erase(track) : std::next(track);
@@ -489,22 +492,47 @@ ObjectTracker::numbers(const VoxelCloud& voxels) const
 std::vector<ObjectSummary>
 ObjectTracker::summarize(const VoxelCloud& voxels) const
 {
-  const std::vector<std::uint32_t> all =
-      voxels.objects.empty() ? numbers(voxels) : voxels.objects;
-  std::map<Number, pcl::Indices> members;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all[i] != 0)
-      members[all[i]].push_back(pcl::index_t(i));
-  std::vector<ObjectSummary> summaries;
-  for (const auto& [number, indices] : members) {
-    summaries.push_back(summarizeObject(
-        indices, [&](std::size_t i) { return positionOf(voxels, i); }, voxels.refined));
-    ObjectSummary& summary = summaries.back();
-    summary.id = number;
-    summary.label = state_->tracks.at(number).label;
-    summary.track = state_->tracks.at(number).summary;
+  return summarizeObjects(voxels, [&](Number number) -> const MapObject& {
+    return state_->tracks.at(number);
+  });
+}
+
+MapObjects
+ObjectTracker::objects() const
+{
+  MapObjects all;
+  all.last_number = state_->last_number;
+  all.frames = state_->frames;
+  all.min_voxels = state_->min_voxels;
+  for (const auto& [number, track] : state_->tracks) {
+    all.objects.push_back(track);
+    MapObject& object = all.objects.back();
+    std::sort(object.voxels.begin(), object.voxels.end(), VoxelIndexLess());
+    for (const VoxelIndex& voxel : object.voxels)
+      object.observations.push_back(state_->cells.at(voxel).observations);
   }
-  return summaries;
+  return all;
+}
+
+void
+ObjectTracker::restore(MapObjects all)
+{
+  state_->last_number = all.last_number;
+  state_->frames = all.frames;
+  state_->last_frame.reset();
+  state_->left.clear();
+  state_->tracks.clear();
+  state_->cells.clear();
+  for (MapObject& object : all.objects) {
+    Track track;
+    for (std::size_t i = 0; i < object.voxels.size(); ++i) {
+      track.extent.extend(object.voxels[i]);
+      state_->cells[object.voxels[i]] = {object.number, object.observations[i]};
+    }
+    static_cast<MapObject&>(track) = std::move(object);
+    track.observations.clear();
+    state_->tracks[track.number] = std::move(track);
+  }
 }
 
 } // namespace pcl_semantic

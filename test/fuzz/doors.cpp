@@ -3,6 +3,7 @@
 
 #include "files/pcd_file.h"
 #include "io/archive_database.h"
+#include "io/archive_objects.h"
 #include "io/block_encoding.h"
 #include "io/tiled_map.h"
 #include "labelling/onnx_interface.h"
@@ -170,6 +171,7 @@ doors()
       {"archive", readArchive},
       {"archive_block", readBlock},
       {"archive_frame", [](const std::string& b) { decodeFrameRecord(7, toBytes(b)); }},
+      {"archive_object", [](const std::string& b) { decodeObject(toBytes(b)); }},
       {"archive_seal",
        [](const std::string& b) { unseal(b.data(), b.size(), 1 << 16); }},
       {"calibration",

@@ -95,6 +95,37 @@ makeArchiveHeader()
   return header;
 }
 
+/** \brief A still object of class "car" that is a block of voxels. */
+inline MapObject
+makeMapObject(std::uint32_t number, const VoxelIndex& corner, const VoxelIndex& size)
+{
+  MapObject object;
+  object.number = number;
+  object.label = 2;
+  object.summary.first_frame = 3;
+  object.summary.last_frame = 7;
+  object.summary.frames = 4;
+  for (int z = 0; z < size.z(); ++z)
+    for (int y = 0; y < size.y(); ++y)
+      for (int x = 0; x < size.x(); ++x) {
+        object.voxels.push_back(corner + VoxelIndex(x, y, z));
+        object.observations.push_back(std::uint32_t(1 + x));
+      }
+  return object;
+}
+
+/** \brief Objects numbered from 1. */
+inline MapObjects
+makeMapObjects(std::vector<MapObject> objects)
+{
+  MapObjects all;
+  all.last_number = std::uint32_t(objects.size());
+  all.frames = 8;
+  all.min_voxels = 2;
+  all.objects = std::move(objects);
+  return all;
+}
+
 using Blocks = std::map<VoxelIndex, VoxelBlock, VoxelIndexLess>;
 
 /** \brief Random blocks around the origin and at the farthest corners. */

@@ -119,6 +119,13 @@ numbersIn(const VoxelCloud& cloud, const VoxelIndex& corner, const VoxelIndex& s
   return numbers;
 }
 
+std::vector<ObjectSummary>
+summaries(const ObjectTracker& tracker, VoxelCloud cloud)
+{
+  cloud.objects = tracker.numbers(cloud);
+  return tracker.summarize(cloud);
+}
+
 std::size_t
 voxelsOf(const VoxelCloud& cloud, std::uint32_t number)
 {
@@ -131,6 +138,45 @@ const VoxelIndex car_size(10, 8, 6);
 constexpr int kFramesUntilMoving = 6;
 
 } // namespace
+
+// A car stands, another one drives past it.
+TEST(ObjectTracker, AnotherTrackerContinuesTheSame)
+{
+  const LabelSet labels = streetLabels();
+  ObjectTracker whole(labels, {}), first(labels, {}), second(labels, {});
+  Street street, resumed;
+  for (int frame = 0; frame < 20; ++frame) {
+    if (frame == 10)
+      second.restore(first.objects());
+    ObjectTracker& tracker = frame < 10 ? first : second;
+    std::vector<VoxelCloud> clouds;
+    for (Street* const each : {&street, &resumed}) {
+      each->free({8 * frame - 8, 20, 0}, car_size);
+      each->hit(kCar, {0, 0, 0}, car_size);
+      each->hit(kCar, {8 * frame, 20, 0}, car_size);
+      clouds.push_back(each->track(each == &street ? whole : tracker));
+    }
+    EXPECT_EQ(whole.leftVoxels(), tracker.leftVoxels()) << frame;
+    EXPECT_EQ(clouds[0].objects, clouds[1].objects) << frame;
+    EXPECT_EQ(numbersIn(clouds[1], {8 * frame, 20, 0}, car_size), Numbers{2}) << frame;
+  }
+  const std::vector<ObjectSummary> a = summaries(whole, street.cloud()),
+                                   b = summaries(second, resumed.cloud());
+  ASSERT_EQ(a.size(), 2u);
+  ASSERT_EQ(b.size(), 2u);
+  EXPECT_TRUE(b[1].track->moving);
+  EXPECT_EQ(a[1].track->speed, b[1].track->speed);
+  EXPECT_EQ(a[0].track->frames, b[0].track->frames);
+  const MapObjects one = whole.objects(), other = second.objects();
+  EXPECT_EQ(one.last_number, other.last_number);
+  EXPECT_EQ(one.frames, other.frames);
+  ASSERT_EQ(one.objects.size(), other.objects.size());
+  for (std::size_t i = 0; i < one.objects.size(); ++i) {
+    EXPECT_EQ(one.objects[i].voxels, other.objects[i].voxels);
+    EXPECT_EQ(one.objects[i].observations, other.objects[i].observations);
+    EXPECT_EQ(one.objects[i].last_moved, other.objects[i].last_moved);
+  }
+}
 
 TEST(ObjectTracker, StillObjectsKeepTheirNumbers)
 {
@@ -153,7 +199,7 @@ TEST(ObjectTracker, StillObjectsKeepTheirNumbers)
       EXPECT_EQ(numbersIn(cloud, third, car_size), Numbers{3}) << frame;
     }
   }
-  const std::vector<ObjectSummary> objects = tracker.summarize(street.cloud());
+  const std::vector<ObjectSummary> objects = summaries(tracker, street.cloud());
   ASSERT_EQ(objects.size(), 3u);
   EXPECT_EQ(objects[0].label, kCar);
   EXPECT_EQ(objects[1].label, kPole);
@@ -186,7 +232,7 @@ TEST(ObjectTracker, AMovingObjectIsWhereItIsNow)
       EXPECT_EQ(voxelsOf(cloud, 1), std::size_t(car_size.prod())) << frame;
     }
   }
-  const std::vector<ObjectSummary> objects = tracker.summarize(street.cloud());
+  const std::vector<ObjectSummary> objects = summaries(tracker, street.cloud());
   ASSERT_EQ(objects.size(), 2u);
   EXPECT_TRUE(objects[0].track->moving);
   EXPECT_NEAR(objects[0].track->motion.x(), 0.4, 0.05);
@@ -238,7 +284,7 @@ TEST(ObjectTracker, APartThatIsNotSeenStaysWithItsObject)
   const VoxelCloud cloud = street.track(tracker);
   EXPECT_EQ(numbersIn(cloud, {0, 0, 0}, part), Numbers{1});
   EXPECT_EQ(numbersIn(cloud, {20, 0, 0}, part), Numbers{1});
-  const std::vector<ObjectSummary> objects = tracker.summarize(cloud);
+  const std::vector<ObjectSummary> objects = summaries(tracker, cloud);
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_EQ(objects[0].track->frames, 2);
 }
@@ -268,7 +314,7 @@ TEST(ObjectTracker, OnlyDynamicClassesMove)
     street.hit(kPole, {4 * frame, 0, 0}, car_size);
     street.track(tracker);
     EXPECT_TRUE(tracker.leftVoxels().empty());
-    for (const ObjectSummary& object : tracker.summarize(street.cloud()))
+    for (const ObjectSummary& object : summaries(tracker, street.cloud()))
       EXPECT_FALSE(object.track->moving);
   }
 }

@@ -70,6 +70,16 @@ void mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
 /** \brief Path of a tile's archive beside the index of a tiled map. */
 std::string tilePath(const std::string& index, const MapTile& tile);
 
+/** \brief Path of the archive with the objects of a tiled map, beside its index. */
+std::string tiledObjectsPath(const std::string& index);
+
+/** \brief Merges the objects of the inputs of a tiled map, as mergeArchives() does,
+ * into an archive without blocks at tiledObjectsPath(). Replaces an existing file.
+ * Removes it if no input has objects. \param[in] index path of the tiled map \throws as
+ * mergeArchives() */
+void mergeTiledObjects(const std::vector<PlacedArchive>& inputs,
+                       const std::string& index);
+
 /** \brief Joins the archives of tiles into one map: writes the index, a small text file
  * that MapReader::open() reads.
  * \param[in] tiles whose archives are at tilePath(); empty ones are left out
@@ -81,8 +91,9 @@ void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
  * new archive, independent of the input order. For voxels in several inputs, log-odds
  * and label logs are added and clamped (unknown voxels add nothing), and colours and
  * counts are summed. Refined distributions are kept only in blocks that a single input
- * has hit. The result is read-only: no run can continue it. Memory holds one tile with
- * its halo from all inputs.
+ * has hit. Still objects of one class that touch become one. The result is read-only:
+ * no run can continue it. Memory holds one tile with its halo from all inputs, and all
+ * objects.
  *
  * \param[in] inputs two or more archives, or one with a motion
  * \param[in] output path that does not exist yet

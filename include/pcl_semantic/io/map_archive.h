@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,11 @@ public:
   const ArchiveHeader& header() const override;
 
   ArchiveState state() const override;
+
+  /** \brief Adds the objects of the map to the next commit; replaces earlier ones. */
+  void putObjects(const MapObjects& objects);
+
+  std::optional<MapObjects> objects() const override;
 
 private:
   struct Implementation;

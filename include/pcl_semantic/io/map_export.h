@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/map_reader.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/things/object_summary.h>
 
 #include <Eigen/Geometry>
 
@@ -35,8 +36,16 @@ ArchiveExtent archiveExtent(const MapReader& archive,
  * \throws BadInputException if the archive is damaged */
 VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection);
 
+/** \brief Describes the objects of a map, as ObjectTracker::summarize(). Memory: the
+ * voxels of objects and one block.
+ * \param[in] selection other voxels are left out
+ * \throws BadInputException if the archive is damaged */
+std::vector<ObjectSummary> describeObjects(const MapReader& archive,
+                                           const VoxelSelection& selection = {},
+                                           const BlockProgress& progress = nullptr);
+
 /** \brief Writes occupied voxels as writeVoxelCloud() does; for the whole map the files
- * are identical. Memory: one block. Reads the archive twice.
+ * are identical. Memory: one block and the objects. Reads the archive twice.
  * \return number of voxels
  * \throws BadInputException if the archive is damaged
  * \throws OutputException if the file cannot be written */

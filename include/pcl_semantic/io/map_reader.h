@@ -5,12 +5,14 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/semantic_voxel.h>
+#include <pcl_semantic/things/map_objects.h>
 
 #include <Eigen/Core>
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,6 +72,9 @@ public:
 
   /** \brief State at the last commit. */
   virtual ArchiveState state() const = 0;
+
+  /** \brief Objects at the last commit; nothing if the map was mapped without them. */
+  virtual std::optional<MapObjects> objects() const = 0;
 };
 
 } // namespace pcl_semantic

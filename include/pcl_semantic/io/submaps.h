@@ -79,6 +79,10 @@ std::uint64_t mergeSubmaps(const std::vector<Submap>& submaps,
                            const std::string& output,
                            const BlockProgress& progress = nullptr);
 
+/** \brief Merges the objects of the submaps of a tiled map, see mergeTiledObjects().
+ * \throws as mergeTiledObjects() and submapMotion() */
+void mergeTiledObjects(const std::vector<Submap>& submaps, const std::string& index);
+
 /** \brief The submaps that reach each tile. */
 using SubmapTiles = std::map<MapTile, std::vector<Submap>>;
 

@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/core/voxel_index.h>
+#include <pcl_semantic/things/map_objects.h>
 #include <pcl_semantic/things/object_extraction.h>
 #include <pcl_semantic/things/object_summary.h>
 
@@ -44,7 +45,8 @@ public:
 
   ~ObjectTracker();
 
-  /** \brief Finds the objects in the map after a frame.
+  /** \brief Finds the objects in the map after a frame, or again if labels were added
+   * to the map since the last call with the same frame.
    * \param[in] voxels the occupied voxels of the window
    * \param[in] window of the map
    * \throws BadInputException as connectedComponents() */
@@ -61,9 +63,16 @@ public:
   std::vector<std::uint32_t> numbers(const VoxelCloud& voxels) const;
 
   /** \brief Describes the objects, in the order of their numbers, in the world frame.
-   * \param[in] voxels all occupied voxels of the map; without VoxelCloud::objects,
-   * those are computed */
+   * \param[in] voxels all occupied voxels of the map, with VoxelCloud::objects of
+   * numbers() */
   std::vector<ObjectSummary> summarize(const VoxelCloud& voxels) const;
+
+  /** \brief The objects so far, with all that update() needs to continue. */
+  MapObjects objects() const;
+
+  /** \brief Continues from another tracker of the same map and parameters.
+   * \param[in] objects of objects() */
+  void restore(MapObjects objects);
 
 private:
   struct State;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/things/map_objects.h>
+
+#include <Eigen/Geometry>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The objects of a map and the motion of their voxels. */
+struct PlacedObjects {
+  MapObjects objects;
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity(); ///< [voxels]
+};
+
+/** \brief Merges the objects of maps, for a map of mergeArchives().
+ *
+ * Two still objects of different maps become one if they have the same label and share
+ * voxels or have neighbouring ones (26 neighbours). An object joins at most one of each
+ * map: the one with which it shares most. Objects are numbered from 1 in the order of
+ * the maps and of their numbers. A voxel of several objects belongs to the first one;
+ * an object that keeps none is left out. The result cannot be tracked further. */
+MapObjects mergeObjects(const std::vector<PlacedObjects>& maps);
+
+} // namespace pcl_semantic
