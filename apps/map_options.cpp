@@ -41,7 +41,7 @@ voxel map, its classes rendered into the camera's images, pictures and a summary
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
-     {"things", "number the objects; writes objects.json and boxes.ply"},
+     {"no-things", "do not follow objects, which leave a trail if they move"},
      {"archive FILE", "archive of the map; --resume continues from it"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -69,7 +69,7 @@ of the frames are written.)",
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
-     {"things", "number the objects; writes objects.json and boxes.ply"},
+     {"no-things", "do not follow objects, which leave a trail if they move"},
      {"archive FILE", "archive of the map"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -119,8 +119,13 @@ inputsOf(MapInputs& inputs, MapProgram program)
   return parameters;
 }
 
+// --things and --no-things.
+struct ThingOptions {
+  bool required = false, none = false;
+};
+
 std::vector<Option>
-outputsOf(MapOptions& options, bool& things, MapProgram program)
+outputsOf(MapOptions& options, ThingOptions& things, MapProgram program)
 {
   MapOutputs& outputs = options.outputs;
   std::vector<Option> all = {
@@ -136,9 +141,12 @@ outputsOf(MapOptions& options, bool& things, MapProgram program)
            : "archive file of the map; --resume continues a killed run from it"},
       {"archive-every", withDefault(outputs.archive.every),
        "commit to the archive every N frames"},
-      {"things", things,
-       "number the objects of the classes marked thing in the label set and follow "
-       "them over the frames; writes objects.json and boxes.ply"},
+      {"things", things.required,
+       "fail unless the label set marks classes as thing: their objects are numbered "
+       "and followed over the frames, see objects.json and boxes.ply"},
+      {"no-things", things.none,
+       "do not follow objects, which leave a trail if they "
+       "move"},
       {"view", options.view, "show the map in a window while it grows"}};
   if (program == MapProgram::live) {
     all.emplace_back("every-frame", options.every_frame,
@@ -228,7 +236,8 @@ parseMapOptions(int argc, char** argv, MapProgram program)
                 {{"live", "the program pcl_semantic_live maps what comes"}});
   MapOptions options;
   std::string config;
-  bool print_config = false, things = false;
+  bool print_config = false;
+  ThingOptions things;
   std::vector<Option> all = optionsOf(inputsOf(options.inputs, program));
   for (Option& option : outputsOf(options, things, program))
     all.push_back(std::move(option));
@@ -241,7 +250,10 @@ parseMapOptions(int argc, char** argv, MapProgram program)
                        parametersOf(options.config));
   readMapperConfig(config, options.config);
   setParameters(values, parametersOf(options.config));
-  options.config.things |= things;
+  refuseIf(things.required && things.none,
+           "--things and --no-things exclude each other");
+  if (things.required || things.none)
+    options.config.things = things.required;
   options.config.validate();
   if (print_config) {
     std::cout << printMapperConfig(options.config);

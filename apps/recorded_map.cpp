@@ -78,7 +78,7 @@ mapRecording(const MapOptions& options, OpenedInputs inputs)
     results.push_back({"pixels_without_depth", watch.unmeasured()});
   results.push_back({"map", outputs.folder + "/map.pcd"});
   results.push_back({"top_view", outputs.folder + "/top_view.png"});
-  if (options.config.things)
+  if (run.objects())
     results.push_back({"objects", outputs.folder + "/objects.json"});
   if (options.inputs.hasCamera() && outputs.images)
     results.push_back({"overlays", outputs.folder + "/overlay"});

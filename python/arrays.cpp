@@ -460,6 +460,9 @@ dictOf(VoxelCloud voxels)
   result["probabilities"] = arrayOf(std::move(voxels.refined));
   result["observations"] = observations;
   result["indices"] = indices;
+  if (!voxels.objects.empty())
+    result["objects"] = py::array_t<std::uint32_t>(py::ssize_t(voxels.objects.size()),
+                                                   voxels.objects.data());
   return result;
 }
 

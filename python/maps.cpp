@@ -42,7 +42,7 @@ template <typename Bound>
 py::dict
 voxels(const Bound& bound)
 {
-  return python::dictOf(released([&] { return bound.map().occupiedEverywhere(); }));
+  return python::dictOf(released([&] { return bound.occupied(); }));
 }
 
 template <typename Bound>
@@ -70,7 +70,7 @@ write(const Bound& bound, const Path& path, bool class_colours)
   requirePcdName(path);
   const SemanticVoxelMap& map = bound.map();
   released([&] {
-    writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
+    writeVoxelCloud(path, bound.occupied(), map.labelSet(),
                     class_colours ? VoxelColour::classes : VoxelColour::measured);
   });
 }
@@ -79,7 +79,7 @@ template <typename Bound>
 void
 save(const Bound& bound, const Path& path)
 {
-  released([&] { saveMap(bound.map(), path); });
+  released([&] { saveMap(bound.map(), path, bound.objects()); });
 }
 
 template <typename Bound>
@@ -89,7 +89,8 @@ bindReading(py::class_<Bound>& bound)
   bound
       .def("voxels", &voxels<Bound>,
            "The occupied voxels: points [m, world], colours, labels, probabilities,\n"
-           "observations, indices; an entry a voxel.")
+           "observations, indices; an entry a voxel. Of SemanticMapper also objects:\n"
+           "numbers, 0 = none.")
       .def("labels", &labels<Bound>, py::arg("points"),
            "Labels of points (N x 3, world [m]); 0 = not occupied, not in the window.")
       .def("write", &write<Bound>, py::arg("path"), py::arg("class_colours") = false,
@@ -144,6 +145,18 @@ public:
   map() const
   {
     return *map_;
+  }
+
+  VoxelCloud
+  occupied() const
+  {
+    return map_->occupiedEverywhere();
+  }
+
+  std::optional<MapObjects>
+  objects() const
+  {
+    return {};
   }
 
   py::dict
@@ -273,6 +286,24 @@ public:
     return mapper_->map();
   }
 
+  VoxelCloud
+  occupied() const
+  {
+    const std::lock_guard<std::mutex> lock(writing_);
+    VoxelCloud voxels = map().occupiedEverywhere();
+    if (mapper_->objects())
+      voxels.objects = mapper_->objects()->numbers(voxels);
+    return voxels;
+  }
+
+  std::optional<MapObjects>
+  objects() const
+  {
+    const std::lock_guard<std::mutex> lock(writing_);
+    return mapper_->objects() ? std::optional(mapper_->objects()->objects())
+                              : std::nullopt;
+  }
+
   py::dict
   process(const py::object& points, const py::object& pose,
           const py::object& probabilities, const py::object& given_colours)
@@ -359,7 +390,7 @@ private:
   std::unique_ptr<SemanticMapper> mapper_;
   std::atomic<int> frames_ = 0;
   std::set<PairFault> faults_; // already reported ones
-  std::mutex writing_;
+  mutable std::mutex writing_;
 };
 
 } // namespace

@@ -63,8 +63,8 @@ real_clouds() {
 demo
 presets
 fleet
-results=(map/map.pcd export.pcd old_export.pcd labels crf_map.pcd preset_*/map.pcd city/map.tiles
-  city/tiles/*.map)
+results=(map/map.pcd map/objects.json export.pcd old_export.pcd labels crf_map.pcd preset_*/map.pcd city/map.tiles
+  city/tiles/*.map city/objects.map)
 if [[ -n ${PCL_SEMANTIC_DATA:-} ]]; then
   real_clouds
   results+=(crf_scan.pcd crf_objects.pcd)

@@ -18,7 +18,7 @@ SUPERVOXEL = "--crf hierarchical --cliques supervoxel"
 LABELS = "--label-calibration {calibration}"
 CLIQUES = f"--config data/presets/calibrated_cliques.yaml {LABELS} --clique-calibration {{cliques}}"
 MODELS = {
-    "none": ("", "--crf none"),  # for the pictures
+    "none": ("", "--crf none"),  # for the pictures and the objects
     "dense": ("after dense CRF", "--crf dense"),
     "pn_potts": ("after P^n Potts CRF, superpixels", "--crf pn-potts --cliques superpixel"),
     "superpixel": ("after hierarchical CRF, superpixels", SUPERPIXEL),

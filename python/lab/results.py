@@ -89,7 +89,7 @@ class Run:
 
     def map(self, sequence, model):
         also = []
-        if model in models.MAIN:
+        if model in models.MAIN or model == "none":  # whose objects are compared, too
             scans = (self.kitti / sequence / "velodyne").is_dir()
             also = (["--also", "measured,scans", "--scan-within", "0.3"] if scans
                     else ["--also", "measured"])
@@ -185,7 +185,7 @@ def main():
     os.chdir(files.ROOT)
     run = Run(data)
     if what == "page":
-        run.map_models(run.streets, ["dense", "calibrated_dense"])
+        run.map_models(run.streets, ["none", "dense", "superpixel", "calibrated_dense"])
         run.made("made_page.md")
         run.write_page()
         return

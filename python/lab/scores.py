@@ -2,6 +2,8 @@
 """Scores of folders of label images (.png) or labels of scans (.label), with the figures of
 pcl_semantic_evaluate: percent, exclusive unless it says inclusive."""
 
+import json
+import subprocess
 from functools import lru_cache
 from pathlib import Path
 
@@ -54,6 +56,26 @@ def figures(counts, ignored=IGNORED):
                        ("mean inclusive", "mean_iou_inclusive"), ("coverage", "coverage")):
         result[title] = 100 * found[key]
     return result
+
+
+@lru_cache(maxsize=None)
+def panoptic(predictions, covered_by, truths):
+    """Panoptic quality of the things of one or more sequences, in percent, and the number of
+    true segments; all classes are pooled. Folders of .label files; the ground truth is
+    SemanticKITTI's."""
+    command = [files.ROOT / "build/bin/pcl_semantic_evaluate", "--panoptic", "--json",
+               "--label-set", files.KITTI_CLASSES, "--label-mapping",
+               files.ROOT / "data/label_mappings/semantic_kitti_to_kitti11.yaml"]
+    for prediction, covered, truth in zip(predictions, covered_by, truths):
+        command += ["--prediction", prediction, "--covered-by", covered, "--truth", truth]
+    output = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+    things = [each for each in json.loads(output)["classes"] if each["thing"]]
+    matched = sum(each["matched"] for each in things)
+    segments = sum(each["segments"] for each in things)
+    false = sum(each["false_positives"] for each in things)
+    quality = sum(each["sq"] * each["matched"] for each in things if each["matched"])
+    size = matched + (false + segments - matched) / 2
+    return 100 * quality / size if size else np.nan, segments
 
 
 def header(titles):

@@ -138,6 +138,25 @@ class Tables:
                 [line(street, found[street]) for street in worst_first] +
                 [line("**pooled**", self.gains(view, self.streets))])
 
+    def things(self):
+        """Panoptic quality in the map at each frame: fused, dense, hierarchical."""
+        def quality(sequences, model):
+            return scores.panoptic(
+                *(tuple(f"{self.out}/{each}/{which}/near_scan_labels" for each in sequences)
+                  for which in (model, "dense")),
+                tuple(f"{self.kitti}/{each}/labels" for each in sequences))
+
+        def line(name, sequences):
+            found = [quality(sequences, model) for model in ("none", "dense", "superpixel")]
+            cells = [str(found[0][1])] + [f"{each:.1f}" for each, _ in found]
+            return f"| {name} | {' | '.join(cells)} |"
+        worst_first = sorted(self.streets, key=lambda street: quality([street], "dense")[0] -
+                             quality([street], "none")[0])
+        return (["| street | objects | fused | dense CRF | hierarchical CRF |",
+                 "|---|---:|---:|---:|---:|"] +
+                [line(street, [street]) for street in worst_first] +
+                [line("**pooled**", self.streets)])
+
     def geometry(self):
         def row(name, sequences):
             return geometry.rows([f"{self.out}/{each}/dense" for each in sequences],
@@ -148,6 +167,7 @@ class Tables:
     def page(self, made):
         return sections({
             "At depth": self.answer(DEPTH), "Rendered": self.answer(RENDERED),
+            "Objects in the scans": self.things(),
             "Geometry of the finished maps against the lidar": self.geometry() + ["", made]})
 
     def appendix(self, made, drawn, times):

@@ -60,6 +60,13 @@ LabelSet::thinLabels() const
   return labels;
 }
 
+bool
+LabelSet::hasThings() const
+{
+  return std::any_of(classes_.begin(), classes_.end(),
+                     [](const LabelClass& each) { return each.thing; });
+}
+
 ColourMapping::ColourMapping(const LabelSet& label_set)
 {
   for (int label = 1; label <= label_set.size(); ++label) {

@@ -25,7 +25,6 @@ MapperConfig::validate()
 {
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
-  map.fusion.occupy_dynamic = things;
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // superpixels need organized clouds
     badParameter("cliques are '", cliques,
@@ -128,9 +127,9 @@ parametersOf(MapperConfig& config)
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back({"things",
-                        "number the objects of the classes marked thing, see "
+                        "track the objects of the classes marked thing, see "
                         "doc/things.md: true or false",
-                        &config.things, "false"});
+                        &config.things, "true"});
   parameters.push_back(
       {"object_gap",
        "maximum distance between neighbouring voxels of an object [m], "

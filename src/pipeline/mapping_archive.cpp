@@ -31,9 +31,6 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
       run.config.clique_parameters.superpixel.keep)
     badParameter("--archive and superpixel_keep exclude each other: an archive does "
                  "not store superpixels");
-  if (!options_.path.empty() && run.config.things)
-    badParameter("--archive and --things exclude each other: an archive does not store "
-                 "objects");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
   if (options_.path.empty())
@@ -90,7 +87,8 @@ MappingArchive::resume(SemanticMapper& mapper) const
   if (records_.empty())
     return;
   const ArchiveState state = archive_->state();
-  mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin);
+  mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin,
+                archive_->objects());
 }
 
 void
@@ -137,6 +135,8 @@ MappingArchive::commit(SemanticMapper& mapper, bool finished)
   ArchiveState state;
   state.cloud_origin = mapper.map().cloudOrigin();
   state.finished = finished;
+  if (mapper.objects())
+    archive_->putObjects(mapper.objects()->objects());
   archive_->commit(state);
   since_commit_ = 0;
 }

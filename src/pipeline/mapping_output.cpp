@@ -206,9 +206,10 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
 {
   replaceEarlierRun();
   VoxelCloud voxels = map.occupiedEverywhere();
+  std::vector<ObjectSummary> things;
   if (objects) {
     voxels.objects = objects->numbers(voxels);
-    writeThings(objects->summarize(voxels));
+    things = objects->summarize(voxels);
   }
   writeFinalImages(voxels);
   if (centres_)
@@ -216,6 +217,8 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
   writeVoxelCloud(path("map.pcd"), voxels, run_.label_set, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, run_.label_set,
                   VoxelColour::classes);
+  if (objects)
+    writeThings(things);
   writeLabelSet(path("label_set.yaml"), run_.label_set);
 
   std::vector<Eigen::Vector3d> positions;

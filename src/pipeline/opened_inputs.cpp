@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 #include "files/is_there.h"
+#include "files/unread_options.h"
 
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/dataset/cloud_sequence.h>
@@ -334,6 +335,9 @@ openInputs(const MapInputs& inputs, const MapperConfig& config,
     CloudOpener(inputs, config, opened).open();
   else
     openStereo(inputs, config, openers, opened);
+  refuseUnread(inputs.given, {{!opened.label_set.hasThings(),
+                               "with a label set without things",
+                               {"things", "object-gap", "object-min-voxels"}}});
   if (!openers.live && opened.source->frames().empty())
     badInput(opened.name, ": has no frame in ", inputs.frames);
   if (!inputs.label_calibration.empty())

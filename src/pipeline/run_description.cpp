@@ -100,7 +100,10 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
     for (const std::uint8_t channel : each.colour)
       text << " " << int(channel);
     text << (each.sky ? " sky" : "") << (each.dynamic ? " dynamic" : "")
-         << (each.thin ? " thin" : "") << "\n";
+         << (each.thin ? " thin" : "") << (each.thing ? " thing" : "");
+    if (each.gap > 0.0)
+      text << " " << exactText(each.gap);
+    text << "\n";
   }
 }
 

@@ -23,8 +23,10 @@ namespace pcl_semantic {
 namespace {
 
 MapperConfig
-validated(MapperConfig config)
+validated(MapperConfig config, const LabelSet& label_set)
 {
+  config.things = config.things && label_set.hasThings();
+  config.map.fusion.occupy_dynamic = config.things;
   config.validate();
   return config;
 }
@@ -58,7 +60,7 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
                                const std::optional<StereoCamera>& camera,
                                std::unique_ptr<LabelPredictor> predictor,
                                std::shared_ptr<BlockStore> store)
-    : camera_(camera), config_(validated(std::move(config))),
+    : camera_(camera), config_(validated(std::move(config), label_set)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
       map_(label_set, config_.map, std::move(store)),
       cliques_(std::make_unique<MapCliques>(config_, label_set))
@@ -107,8 +109,11 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
 }
 
 void
-SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin)
+SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin,
+                       std::optional<MapObjects> objects)
 {
+  if (objects_ && objects)
+    objects_->restore(std::move(*objects));
   frames_ = frames;
   refined_ = finished || isRefinedAt(frames - 1);
   map_.setCloudOrigin(cloud_origin);
@@ -244,34 +249,40 @@ SemanticMapper::fuse(MappedFrame& mapped)
   else
     // finish() may run the CRF with it.
     cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
+  last_frame_ = mapped.frame;
   if (objects_)
-    times.measure("things", [&] { trackObjects(mapped); });
+    times.measure("things", [&] { trackObjects(mapped.voxels); });
   ++frames_;
   if (callback_)
     callback_(mapped, map_);
 }
 
 void
-SemanticMapper::trackObjects(MappedFrame& mapped)
+SemanticMapper::trackObjects(VoxelCloud& voxels)
 {
-  objects_->update(mapped.voxels, map_.window(), mapped.frame);
+  has_new_labels_ = false;
+  objects_->update(voxels, map_.window(), last_frame_);
   if (!objects_->leftVoxels().empty()) {
     map_.setFree(objects_->leftVoxels());
-    mapped.voxels = map_.occupied();
+    voxels = map_.occupied();
   }
-  mapped.voxels.objects = objects_->numbers(mapped.voxels);
+  voxels.objects = objects_->numbers(voxels);
 }
 
 void
 SemanticMapper::finish()
 {
-  if (refined_)
-    return;
   const ThreadScope threads(config_.threads);
-  VoxelCloud voxels = map_.occupied();
-  refineVoxels(voxels);
-  map_.setRefined(voxels, voxels.refined);
-  refined_ = true;
+  if (!refined_) {
+    VoxelCloud voxels = map_.occupied();
+    refineVoxels(voxels);
+    map_.setRefined(voxels, voxels.refined);
+    refined_ = true;
+  }
+  if (objects_ && has_new_labels_) {
+    VoxelCloud voxels = map_.occupied();
+    trackObjects(voxels);
+  }
 }
 
 void
@@ -301,6 +312,7 @@ SemanticMapper::addLabels(const MappedFrame& earlier, LabelDistributions labels)
   map_.addLabels(*cloud, frame.T_world_camera,
                  calibration_ ? frame.calibrated : frame.network);
   refined_ = config_.crf == CRFModelType::unary;
+  has_new_labels_ = true;
 }
 
 // Returns the points to add to the map.

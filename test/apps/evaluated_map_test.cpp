@@ -62,7 +62,7 @@ protected:
     copyStreet(street());
     addScans(street());
     mapStreet(street(), folder_->path("map"),
-              "--crf dense --also measured,depth,probabilities,scans "
+              "--no-things --crf dense --also measured,depth,probabilities,scans "
               "--scan-within 0.3 "
               "--voxel-size 0.2");
   }
@@ -117,7 +117,7 @@ plainScanLabels(const std::string& street, const MapFolder& map, int frame,
 TEST_F(EvaluatedMap, MeasuredLabelsAreThoseOfAMapWithoutCrf)
 {
   mapStreet(street(), folder_->path("plain"),
-            "--crf none --also measured,scans --voxel-size 0.2");
+            "--no-things --crf none --also measured,scans --voxel-size 0.2");
   const auto plain = [&](const std::string& name) {
     return folder_->path("plain/" + name);
   };
@@ -220,7 +220,7 @@ TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabels)
 TEST_F(EvaluatedMap, CentresOfVoxelsAreAnOption)
 {
   const std::string centres = folder_->path("centres");
-  mapStreet(street(), centres, "--crf dense --voxel-size 0.2 --centres");
+  mapStreet(street(), centres, "--no-things --crf dense --voxel-size 0.2 --centres");
   const MapFolder at_centres = readMapFolder(centres);
   const MapFolder on_surface = readMapFolder(folder_->path("map"));
   EXPECT_EQ(at_centres.voxels.indices, on_surface.voxels.indices);

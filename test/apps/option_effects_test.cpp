@@ -267,8 +267,9 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"model", {{"IN/street/other.onnx"}}},
     {"network", {{"IN/street/other.yaml"}}},
     {"network-every", {{"2"}}},
-    {"object-gap", {{"0.1"}, {"0.1", "--config IN/things.yaml"}}},
-    {"object-min-voxels", {{"1"}, {"1", "--config IN/things.yaml"}}},
+    {"no-things", {{""}}},
+    {"object-gap", {{"0.1"}}},
+    {"object-min-voxels", {{"1"}, {"9999"}}},
     {"objects", {{"OUT/more.json"}}},
     {"render objects", {{"IN/objects.json"}}},
     {"occlusion-window", {{"15,15"}}},
@@ -314,7 +315,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
       {"0", "--cliques superpixel:20 --clique-weight 9"}}},
     {"every-frame", {{""}}},
     {"thin", {{"1"}}},
-    {"things", {{""}}},
+    {"things", {{"", "--label-set IN/no_things.yaml"}}},
     {"times",
      {{"IN/times.txt"},
       {"IN/times.txt", "--poses IN/timed.txt"},
@@ -461,7 +462,7 @@ makeInputs(const std::string& in)
   write("other_set.yaml", replaceAll(set, "[128, 64, 128]", "[1, 64, 128]"));
   write("mapping.yaml", mapping);
   write("config.yaml", "crf_temperature: 9\nsmoothness_weight: 60\n");
-  write("things.yaml", "things: true\n");
+  write("no_things.yaml", replaceAll(set, ", thing: true", ""));
   write("cliques.yaml", "crf: hierarchical\ncliques: cubes:1\nvoxel_size: 0.25\n");
   write("mast_set.yaml", replaceAll(set, "pole", "mast"));
   write("twelve_set.yaml", set + "  - {name: bridge, colour: [9, 9, 9]}\n");

@@ -128,7 +128,10 @@ TEST(ThingsOfAMap, NeedAClassMarkedThing)
       folder.write("set.yaml", replaceAll(bytesOf(kitti11), ", thing: true", ""));
   expectFails(mapOf(tinyStreet()) + " --things --label-set " + set + " --output " +
                   folder.path("map"),
-              2, "no class of the label set is marked thing");
+              2, "--things has no effect with a label set without things");
+  succeed(mapOf(tinyStreet()) + " --label-set " + set + " --output " +
+          folder.path("map"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("map/objects.json")));
 }
 
 } // namespace pcl_semantic

@@ -55,6 +55,9 @@ public:
    * \throws InvalidParameterException beyond L */
   const LabelClass& operator[](Label label) const;
 
+  /** \brief Whether a class is marked `thing`. */
+  bool hasThings() const;
+
   /** \brief The label of a class name; kUnlabelled if there is no such class. */
   Label find(const std::string& name) const;
 

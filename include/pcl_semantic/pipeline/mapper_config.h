@@ -33,12 +33,12 @@ struct MapperConfig {
   std::string clique_exclude = "none"; ///< classes with commas between: voxels
                                        ///< that probably are one join no clique
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
-  bool things = false; ///< tracks the objects of classes marked `thing`
+  bool things =
+      true; ///< tracks the objects of classes marked `thing`, if there are any
   ObjectTracker::Parameters objects;
   int threads = 0; ///< 0 = all processors
 
-  /** \brief Checks every value, and passes on the voxel size to the supervoxels and
-   * \a things to the map.
+  /** \brief Checks every value, and passes on the voxel size to the supervoxels.
    * \throws InvalidParameterException that names the parameter and its range */
   void validate();
 };

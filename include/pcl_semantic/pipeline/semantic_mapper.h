@@ -129,8 +129,10 @@ public:
   /** \brief Resumes the map in the store. Must be called before the first frame.
    * \param[in] frames number of frames in this map
    * \param[in] finished whether finish() was called after these frames
-   * \param[in] cloud_origin SemanticVoxelMap::cloudOrigin() of this map */
-  void resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin);
+   * \param[in] cloud_origin SemanticVoxelMap::cloudOrigin() of this map
+   * \param[in] objects of the map, if it has objects() */
+  void resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin,
+              std::optional<MapObjects> objects = std::nullopt);
 
   /** \brief Sets a function to call at the end of process(). */
   void
@@ -189,7 +191,8 @@ public:
     return map_;
   }
 
-  /** \brief The objects of the map; null unless MapperConfig::things. */
+  /** \brief The objects of the map; null without MapperConfig::things, and if no class
+   * is marked `thing`. */
   const ObjectTracker*
   objects() const
   {
@@ -227,7 +230,7 @@ private:
 
   void refineVoxels(VoxelCloud& voxels);
 
-  void trackObjects(MappedFrame& mapped);
+  void trackObjects(VoxelCloud& voxels);
 
   std::optional<StereoCamera> camera_;
   MapperConfig config_;
@@ -240,7 +243,9 @@ private:
   std::unique_ptr<ObjectTracker> objects_;
   Callback callback_;
   int frames_ = 0;
+  FrameTime last_frame_;
   bool refined_ = true; // no measurement was added after the last run of the CRF
+  bool has_new_labels_ = false; // since the last search for objects
 };
 
 } // namespace pcl_semantic
