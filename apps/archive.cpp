@@ -155,8 +155,7 @@ writeThings(const MapReader& archive, const VoxelSelection& selection,
     return;
   if (!archive.objects())
     fail<BadInputException>(archive.path(), ": has no objects");
-  const std::vector<ObjectSummary> objects =
-      describeObjects(archive, selection, showProgress("describing"));
+  const std::vector<ObjectSummary> objects = describeObjects(archive, selection);
   const LabelSet& label_set = archive.header().label_set;
   results.push_back({"objects", objects.size()});
   if (!arguments.objects.empty())
@@ -173,11 +172,13 @@ exportCloud(const Arguments& arguments)
                   {arguments.files[1], arguments.objects, arguments.boxes});
   const std::unique_ptr<MapReader> archive = MapReader::open(arguments.files[0]);
   const VoxelSelection selection = selectionOf(arguments, archive->header().label_set);
+  Results things;
+  writeThings(*archive, selection, arguments, things);
   const std::size_t voxels =
       exportVoxels(*archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
   Results results = {{"voxels", voxels}, {"cloud", arguments.files[1]}};
-  writeThings(*archive, selection, arguments, results);
+  results.insert(results.end(), things.begin(), things.end());
   printResults(results);
   return exit_done;
 }

@@ -345,7 +345,8 @@ mapFleet(const std::string& path, const Ranks& ranks)
                             ": nothing was mapped: no frame of a drive has a depth");
   stopIfInterrupted();
   if (is_first)
-    fs::remove(index); // no index while the tiles belong to two maps
+    for (const std::string& file : {index, tiledObjectsPath(index)})
+      fs::remove(file); // no index while the tiles belong to two maps
   ranks.wait();
   ranks.share(order.size(), [&](std::size_t i) {
     const std::string output = tilePath(index, order[i]);
@@ -360,8 +361,8 @@ mapFleet(const std::string& path, const Ranks& ranks)
   std::vector<Submap> submaps;
   for (const Task& task : tasks)
     submaps.push_back(task.submap());
-  mergeTiledObjects(submaps, index);
   writeTileIndex(index, order);
+  mergeTiledObjects(submaps, index);
   std::set<std::string> names;
   for (const Task& task : tasks)
     names.insert(task.archive());

@@ -237,7 +237,8 @@ ArchiveDatabase::putMeta(const std::string& name, const Bytes& content)
   writer.putText(name);
   writer.putBytes(content);
   if (writer.bytes().size() > kMaxMeta)
-    badParameter(path(), ": '", name, "' is too large");
+    badParameter(path(), ": '", name, "' has ", writer.bytes().size(),
+                 " bytes, expected at most ", kMaxMeta);
   SqliteStatement(database_, "INSERT OR REPLACE INTO meta VALUES(?, ?)")
       .run(name, statements_->sealer.seal(writer.bytes()));
 }
@@ -273,6 +274,15 @@ void
 ArchiveDatabase::eraseMeta(const std::string& name)
 {
   SqliteStatement(database_, "DELETE FROM meta WHERE name = ?").run(name);
+}
+
+std::uint64_t
+ArchiveDatabase::countMeta(const std::string& begin)
+{
+  SqliteStatement row(database_, "SELECT count(*) FROM meta WHERE name LIKE ?");
+  std::uint64_t count = 0;
+  row.forEachRow([&] { count = std::uint64_t(row.integer(0)); }, begin + "%");
+  return count;
 }
 
 void

@@ -52,6 +52,9 @@ public:
 
   void eraseMeta(const std::string& name);
 
+  /** \brief Number of values whose names begin with a text, without % and _. */
+  std::uint64_t countMeta(const std::string& begin);
+
   void putFrame(int number, const Bytes& content);
   void forEachFrame(const std::function<void(int, const Bytes&)>& visit);
   std::uint64_t countFrames();

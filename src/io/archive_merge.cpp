@@ -51,64 +51,98 @@ describeMerge(std::vector<PlacedArchive> inputs)
   return text.str();
 }
 
+// The constant part of an input and its state, without its blocks.
+struct Described {
+  std::string path;
+  ArchiveHeader header;
+  ArchiveState state;
+};
+
+Described
+describe(const MapReader& archive)
+{
+  return {archive.path(), archive.header(), archive.state()};
+}
+
+std::vector<Described>
+describeAll(const Archives& archives)
+{
+  std::vector<Described> all;
+  for (const auto& archive : archives)
+    all.push_back(describe(archive->archive()));
+  return all;
+}
+
 // The header of the first input by name, independent of the input order.
 ArchiveHeader
-headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
+headerOf(const std::vector<Described>& archives,
+         const std::vector<PlacedArchive>& inputs)
 {
-  const MapReader* first = &archives.front()->archive();
-  for (const auto& archive : archives)
-    if (archive->archive().path() < first->path())
-      first = &archive->archive();
-  ArchiveHeader header = first->header();
-  for (const auto& archive : archives) {
-    const MapParameters& parameters = archive->archive().header().parameters;
+  const Described& first = *std::min_element(
+      archives.begin(), archives.end(),
+      [](const Described& a, const Described& b) { return a.path < b.path; });
+  ArchiveHeader header = first.header;
+  for (const Described& archive : archives) {
+    const MapParameters& parameters = archive.header.parameters;
     header.parameters.window = header.parameters.window.cwiseMax(parameters.window);
     header.parameters.max_range =
         std::max(header.parameters.max_range, parameters.max_range);
   }
   header.configuration = describeMerge(inputs);
-  for (const std::string_view line : splitAt('\n', first->header().configuration))
+  for (const std::string_view line : splitAt('\n', first.header.configuration))
     if (line.rfind("crf", 0) == 0) // parameters to refine a later merge of the result
       header.configuration += std::string(line) + "\n";
   return header;
 }
 
 ArchiveState
-stateOf(const Archives& archives)
+stateOf(const std::vector<Described>& archives)
 {
   const auto less = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };
   ArchiveState state;
-  state.cloud_origin = archives.front()->archive().state().cloud_origin;
+  state.cloud_origin = archives.front().state.cloud_origin;
   state.finished = true;
-  for (const auto& archive : archives) {
-    const ArchiveState each = archive->archive().state();
-    state.finished = state.finished && each.finished;
-    if (less(each.cloud_origin, state.cloud_origin))
-      state.cloud_origin = each.cloud_origin;
+  for (const Described& archive : archives) {
+    state.finished = state.finished && archive.state.finished;
+    if (less(archive.state.cloud_origin, state.cloud_origin))
+      state.cloud_origin = archive.state.cloud_origin;
   }
   return state;
 }
 
-// The objects of the inputs in the order of their names; nothing if none has objects.
-std::optional<MapObjects>
-objectsOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
-{
-  std::map<std::string, PlacedObjects> placed;
-  for (std::size_t i = 0; i < inputs.size(); ++i)
-    if (std::optional<MapObjects> objects = archives[i]->archive().objects()) {
-      Eigen::Isometry3d motion = inputs[i].motion;
-      motion.translation() /= archives[i]->archive().header().parameters.voxel_size;
-      placed[inputs[i].path] = {std::move(*objects), motion};
-    }
-  if (placed.empty())
-    return {};
-  std::vector<PlacedObjects> maps;
-  for (auto& [path, objects] : placed)
-    maps.push_back(std::move(objects));
-  return mergeObjects(maps);
-}
+// The objects of inputs, by their names.
+class ObjectInputs {
+public:
+  void
+  add(const MapReader& archive, const Eigen::Isometry3d& motion)
+  {
+    std::optional<MapObjects> objects = archive.objects();
+    if (!objects)
+      return;
+    Eigen::Isometry3d in_voxels = motion;
+    in_voxels.translation() /= archive.header().parameters.voxel_size;
+    placed_[archive.path()] = {std::move(*objects), in_voxels};
+  }
+
+  // Those with enough voxels in the merged map; nothing if no input has objects.
+  std::optional<MapObjects>
+  mergeFor(const MapReader& merged)
+  {
+    if (placed_.empty())
+      return {};
+    std::vector<PlacedObjects> maps;
+    for (auto& [path, objects] : placed_)
+      maps.push_back(std::move(objects));
+    MapObjects objects = mergeObjects(maps);
+    keepVisible(merged, objects);
+    return objects;
+  }
+
+private:
+  std::map<std::string, PlacedObjects> placed_;
+};
 
 int
 tileAt(int block)
@@ -270,9 +304,10 @@ mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
   const Archives archives = openAll(inputs);
   std::filesystem::remove(output);
   makeArchiveFile(output, [&](const std::string& temporary) {
-    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
+    const std::vector<Described> described = describeAll(archives);
+    const auto merged = MapArchive::create(temporary, headerOf(described, inputs));
     putTile(archives, tile, blocksOf(archives, tile, options.halo), options, *merged);
-    merged->commit(stateOf(archives));
+    merged->commit(stateOf(described));
     merged->close();
   });
 }
@@ -280,16 +315,22 @@ mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
 void
 mergeTiledObjects(const std::vector<PlacedArchive>& inputs, const std::string& index)
 {
-  const Archives archives = openAll(inputs);
-  const std::optional<MapObjects> objects = objectsOf(archives, inputs);
   const std::string path = tiledObjectsPath(index);
   std::filesystem::remove(path);
-  if (!objects)
+  std::vector<Described> described;
+  ObjectInputs objects;
+  for (const PlacedArchive& input : inputs) { // one at a time is open
+    const auto archive = MapReader::open(input.path);
+    described.push_back(describe(*archive));
+    objects.add(*archive, input.motion);
+  }
+  const auto merged_objects = objects.mergeFor(*MapReader::open(index));
+  if (!merged_objects)
     return;
   makeArchiveFile(path, [&](const std::string& temporary) {
-    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
-    merged->putObjects(*objects);
-    merged->commit(stateOf(archives));
+    const auto merged = MapArchive::create(temporary, headerOf(described, inputs));
+    merged->putObjects(*merged_objects);
+    merged->commit(stateOf(described));
     merged->close();
   });
 }
@@ -305,16 +346,20 @@ mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& outpu
   const auto tiles = tilesOf(archives, options.halo);
   std::uint64_t blocks = 0;
   makeArchiveFile(output, [&](const std::string& temporary) {
-    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
+    const std::vector<Described> described = describeAll(archives);
+    const auto merged = MapArchive::create(temporary, headerOf(described, inputs));
     std::size_t done = 0;
     for (const auto& [tile, reached] : tiles) {
       putTile(archives, tile, reached, options, *merged);
       if (options.progress)
         options.progress(++done, tiles.size());
     }
-    if (const std::optional<MapObjects> objects = objectsOf(archives, inputs))
-      merged->putObjects(*objects);
-    merged->commit(stateOf(archives));
+    ObjectInputs objects;
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      objects.add(archives[i]->archive(), inputs[i].motion);
+    if (const std::optional<MapObjects> merged_objects = objects.mergeFor(*merged))
+      merged->putObjects(*merged_objects);
+    merged->commit(stateOf(described));
     blocks = merged->state().blocks;
     merged->close();
   });

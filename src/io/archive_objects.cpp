@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_objects.h"
 
-#include "core/digest.h"
 #include "core/fail.h"
 
 #include <algorithm>
@@ -110,6 +109,16 @@ getSighting(ByteReader& reader)
   return sighting;
 }
 
+std::vector<std::uint32_t>
+numbersOf(const MapObjects& objects)
+{
+  std::vector<std::uint32_t> numbers = objects.unchanged;
+  for (const MapObject& object : objects.objects)
+    numbers.push_back(object.number);
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
 // The numbers of the objects, and everything that they have in common.
 Bytes
 encodeList(const MapObjects& objects)
@@ -118,22 +127,29 @@ encodeList(const MapObjects& objects)
   writer.put(objects.last_number);
   writer.put(std::int32_t(objects.frames));
   writer.put(std::uint64_t(objects.min_voxels));
-  writer.put(std::uint32_t(objects.objects.size()));
-  for (const MapObject& object : objects.objects)
-    writer.put(object.number);
+  const std::vector<std::uint32_t> numbers = numbersOf(objects);
+  writer.put(std::uint32_t(numbers.size()));
+  writer.putColumn(numbers);
   return writer.bytes();
 }
 
-struct List {
-  MapObjects common; // without objects
-  std::vector<std::uint32_t> numbers;
-};
+std::optional<ArchiveObjectList>
+readList(ArchiveDatabase& database)
+{
+  std::optional<ArchiveObjectList> list;
+  if (database.hasMeta(kList))
+    database.getMeta(kList,
+                     [&](const Bytes& bytes) { list = decodeObjectList(bytes); });
+  return list;
+}
 
-List
-decodeList(const Bytes& bytes)
+} // namespace
+
+ArchiveObjectList
+decodeObjectList(const Bytes& bytes)
 {
   ByteReader reader(bytes);
-  List list;
+  ArchiveObjectList list;
   list.common.last_number = reader.get<std::uint32_t>();
   list.common.frames = getFrame(reader);
   list.common.min_voxels = reader.get<std::uint64_t>();
@@ -147,17 +163,6 @@ decodeList(const Bytes& bytes)
     badInput("has ", reader.left(), " bytes behind its end");
   return list;
 }
-
-std::optional<List>
-readList(ArchiveDatabase& database)
-{
-  std::optional<List> list;
-  if (database.hasMeta(kList))
-    database.getMeta(kList, [&](const Bytes& bytes) { list = decodeList(bytes); });
-  return list;
-}
-
-} // namespace
 
 Bytes
 encodeObject(const MapObject& object)
@@ -207,38 +212,54 @@ decodeObject(const Bytes& bytes)
 }
 
 void
-ArchiveObjectWriter::write(ArchiveDatabase& database, const MapObjects& objects)
+writeArchiveObjects(ArchiveDatabase& database, const MapObjects& objects)
 {
-  std::map<std::uint32_t, std::uint64_t> present;
-  for (const MapObject& object : objects.objects) {
-    const Bytes bytes = encodeObject(object);
-    Digest digest;
-    digest.add(bytes.data(), bytes.size());
-    present[object.number] = digest.value();
-    const auto before = written_.find(object.number);
-    if (before == written_.end() || before->second != digest.value())
-      database.putMeta(nameOf(object.number), bytes);
-  }
-  if (const std::optional<List> list = readList(database))
+  const std::vector<std::uint32_t> numbers = numbersOf(objects);
+  const std::set<std::uint32_t> present(numbers.begin(), numbers.end());
+  for (const MapObject& object : objects.objects)
+    database.putMeta(nameOf(object.number), encodeObject(object));
+  if (const std::optional<ArchiveObjectList> list = readList(database))
     for (const std::uint32_t number : list->numbers)
       if (present.count(number) == 0)
         database.eraseMeta(nameOf(number));
   database.putMeta(kList, encodeList(objects));
-  written_ = std::move(present);
 }
+
+namespace {
+
+// Otherwise its motion is not defined.
+void
+requireFrames(const MapObject& object, int frames)
+{
+  int last = -1;
+  bool is_good = object.last_frame <= frames && object.last_moved.value_or(0) <= frames;
+  for (const ObjectSighting& sighting : object.sightings) {
+    is_good = is_good && sighting.frame > last && sighting.frame < frames;
+    last = sighting.frame;
+  }
+  if (!is_good)
+    badInput("has frames out of order, or beyond ", frames);
+}
+
+} // namespace
 
 std::optional<MapObjects>
 readArchiveObjects(ArchiveDatabase& database, int classes)
 {
-  std::optional<List> list = readList(database);
-  if (!list)
+  std::optional<ArchiveObjectList> list = readList(database);
+  const std::uint64_t entries = database.countMeta("object ");
+  if (!list && entries == 0)
     return {};
+  if (!list || entries != list->numbers.size())
+    badInput(database.path(), ": is damaged: has ", entries, " objects, expected ",
+             list ? list->numbers.size() : 0);
   for (const std::uint32_t number : list->numbers)
     database.getMeta(nameOf(number), [&](const Bytes& bytes) {
       list->common.objects.push_back(decodeObject(bytes));
       const MapObject& object = list->common.objects.back();
       if (object.number != number)
         badInput("holds another object");
+      requireFrames(object, list->common.frames);
       if (object.label < 1 || object.label > classes)
         badInput("has label ", int(object.label), ", expected 1 to ", classes);
     });

@@ -6,20 +6,23 @@
 #include <pcl_semantic/things/map_objects.h>
 
 #include <cstdint>
-#include <map>
 #include <optional>
+#include <vector>
 
 namespace pcl_semantic {
 
-/** \brief Writes the objects of a map into its archive: an entry for each object, and
- * `objects` with their numbers. Entries that would not change are not written. */
-class ArchiveObjectWriter {
-public:
-  void write(ArchiveDatabase& database, const MapObjects& objects);
+/** \brief Writes the objects of a map into its archive: an entry for each changed
+ * object, and `objects` with the numbers of all. */
+void writeArchiveObjects(ArchiveDatabase& database, const MapObjects& objects);
 
-private:
-  std::map<std::uint32_t, std::uint64_t> written_; // digests of the entries
+/** \brief The numbers of all objects, and everything that they have in common. */
+struct ArchiveObjectList {
+  MapObjects common; ///< without objects
+  std::vector<std::uint32_t> numbers;
 };
+
+/** \throws BadInputException */
+ArchiveObjectList decodeObjectList(const Bytes& bytes);
 
 /** \brief The entry of an object, without its name. */
 Bytes encodeObject(const MapObject& object);

@@ -158,7 +158,6 @@ struct MapArchive::Implementation {
   BlockIndexSet stored; // in the file, or in the open transaction
   std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> pending;
   std::size_t pending_bytes = 0;
-  ArchiveObjectWriter objects;
   bool writable = false;
   std::recursive_mutex mutex; // recursive, because a visitor may request other blocks
 };
@@ -376,7 +375,7 @@ MapArchive::putObjects(const MapObjects& objects)
 {
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
-  my.write([&] { my.objects.write(my.database, objects); });
+  my.write([&] { writeArchiveObjects(my.database, objects); });
 }
 
 std::optional<MapObjects>

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace pcl_semantic {
@@ -90,25 +91,42 @@ readVoxels(const MapReader& archive, const VoxelSelection& selection)
   return selected;
 }
 
+namespace {
+
+// In the order z, y, x of the map.
+std::vector<VoxelIndex>
+blocksOf(const MapObjects& objects)
+{
+  std::set<VoxelIndex, VoxelIndexLess> blocks;
+  for (const MapObject& object : objects.objects)
+    for (const VoxelIndex& voxel : object.voxels)
+      blocks.insert(blockOf(voxel));
+  return {blocks.begin(), blocks.end()};
+}
+
+} // namespace
+
 std::vector<ObjectSummary>
-describeObjects(const MapReader& archive, const VoxelSelection& selection,
-                const BlockProgress& progress)
+describeObjects(const MapReader& archive, const VoxelSelection& selection)
 {
   std::optional<MapObjects> objects = archive.objects();
   if (!objects)
     return {};
+  const std::vector<VoxelIndex> blocks = blocksOf(*objects);
   const ObjectLookup lookup(std::move(*objects));
   const int classes = archive.header().label_set.size();
+  const BlockReader reader(classes, archive.header().parameters);
   VoxelCloud found; // the voxels of objects
   found.voxel_size = archive.header().parameters.voxel_size;
   found.origin = archive.state().cloud_origin;
   std::vector<float> probabilities; // of found
-  std::size_t done = 0;
-  const auto step = [&] {
-    if (progress)
-      progress(++done, archive.state().blocks);
-  };
-  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
+  for (const VoxelIndex& index : blocks) {
+    const auto block = std::move(archive.get({index}).front());
+    if (!block)
+      continue;
+    VoxelCloud voxels =
+        reader.makeCloud(reader.countOccupied(*block), found.voxel_size, found.origin);
+    reader.read(index, *block, 0, voxels);
     const std::vector<std::uint32_t> numbers = lookup.numbers(voxels);
     const std::vector<bool> is_selected = select(selection, voxels);
     for (std::size_t i = 0; i < voxels.size(); ++i) {
@@ -120,7 +138,7 @@ describeObjects(const MapReader& archive, const VoxelSelection& selection,
       const float* const column = voxels.refined.column(Eigen::Index(i));
       probabilities.insert(probabilities.end(), column, column + classes);
     }
-  });
+  }
   found.refined = LabelDistributions(classes, Eigen::Index(found.size()));
   std::copy(probabilities.begin(), probabilities.end(), found.refined.matrix().data());
   return lookup.summarize(found);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "object_merge.h"
 
+#include "map/block_reader.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -181,6 +183,57 @@ mergeObjects(const std::vector<PlacedObjects>& maps)
   result.objects = merge.result();
   result.last_number = std::uint32_t(result.objects.size());
   return result;
+}
+
+namespace {
+
+// The labels of the occupied voxels in some blocks.
+std::unordered_map<VoxelIndex, Label, VoxelIndexHash>
+labelsIn(const MapReader& map, const std::vector<VoxelIndex>& blocks)
+{
+  const BlockReader reader(map.header().label_set.size(), map.header().parameters);
+  const auto read = map.get(blocks);
+  std::unordered_map<VoxelIndex, Label, VoxelIndexHash> labels;
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (int offset = 0; read[b] && offset < kBlockVoxels; ++offset)
+      if (reader.isOccupied(*read[b], offset))
+        labels[voxelAt(blocks[b], offset)] = reader.label(*read[b], offset);
+  return labels;
+}
+
+std::vector<VoxelIndex>
+blocksOf(const MapObject& object)
+{
+  std::set<VoxelIndex, VoxelIndexLess> blocks;
+  for (const VoxelIndex& voxel : object.voxels)
+    blocks.insert(blockOf(voxel));
+  return {blocks.begin(), blocks.end()};
+}
+
+} // namespace
+
+void
+keepVisible(const MapReader& map, MapObjects& objects)
+{
+  for (MapObject& object : objects.objects) {
+    const auto labels = labelsIn(map, blocksOf(object));
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < object.voxels.size(); ++i) {
+      const auto found = labels.find(object.voxels[i]);
+      if (found == labels.end() || found->second != object.label)
+        continue;
+      object.voxels[kept] = object.voxels[i];
+      object.observations[kept++] = object.observations[i];
+    }
+    object.voxels.resize(kept);
+    object.observations.resize(kept);
+  }
+  auto& all = objects.objects;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const MapObject& object) {
+                             return object.voxels.size() < objects.min_voxels;
+                           }),
+            all.end());
 }
 
 } // namespace pcl_semantic

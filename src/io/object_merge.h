@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/io/map_reader.h>
 #include <pcl_semantic/things/map_objects.h>
 
 #include <Eigen/Geometry>
@@ -23,5 +24,10 @@ struct PlacedObjects {
  * the maps and of their numbers. A voxel of several objects belongs to the first one;
  * an object that keeps none is left out. The result cannot be tracked further. */
 MapObjects mergeObjects(const std::vector<PlacedObjects>& maps);
+
+/** \brief Leaves out voxels that are not occupied with the label of their object, and
+ * objects with fewer than MapObjects::min_voxels other ones. Numbers stay.
+ * \throws BadInputException if the map is damaged */
+void keepVisible(const MapReader& map, MapObjects& objects);
 
 } // namespace pcl_semantic

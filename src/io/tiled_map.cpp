@@ -141,6 +141,12 @@ TiledMap::faults(const BlockProgress& progress) const
   if (const std::string objects = tiledObjectsPath(path_); isThere(objects))
     for (const std::string& fault : verifyArchive(objects))
       faults.push_back(fault);
+  try {
+    objects();
+  }
+  catch (const BadInputException& error) {
+    faults.push_back(error.what());
+  }
   return faults;
 }
 
@@ -150,7 +156,11 @@ TiledMap::objects() const
   const std::string path = tiledObjectsPath(path_);
   if (!isThere(path))
     return {};
-  return MapArchive(path, ArchiveAccess::read).objects();
+  const MapArchive objects(path, ArchiveAccess::read);
+  if (const std::string difference = differenceOf(header_, objects.header());
+      !difference.empty())
+    badInput(path, ": has another ", difference, " than the tiles of ", path_);
+  return objects.objects();
 }
 
 const MapArchive*

@@ -102,7 +102,7 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
        "without --clouds or --also scans",
        {"scan-columns"}},
       {!inputs.network.empty(), "with --network", {"label-confidence"}},
-      {!config.things, "with --no-things", {"object-gap", "object-min-voxels"}},
+      {!config.things, "without things", {"object-gap", "object-min-voxels"}},
       unreadOptionsOfLabels(inputs.labels)};
   for (UnreadOptions& rule : unreadOptionsOfCRF(nameOf(config.crf), config.cliques))
     rules.push_back(std::move(rule));

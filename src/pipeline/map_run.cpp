@@ -79,6 +79,7 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
   run_.label_set = inputs_.label_set;
   run_.config = config;
   run_.config.validate();
+  run_.config.things = run_.config.things && run_.label_set.hasThings();
   if (!isLive() && !outputs_.archive.path.empty() && inputs_.has_odometry)
     badParameter(
         "--archive needs poses from a file: odometry cannot resume a killed run; write "

@@ -8,6 +8,8 @@
 #include <pcl_semantic/pipeline/frame_digest.h>
 
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -87,8 +89,11 @@ MappingArchive::resume(SemanticMapper& mapper) const
   if (records_.empty())
     return;
   const ArchiveState state = archive_->state();
+  std::optional<MapObjects> objects = archive_->objects();
+  if (mapper.objects() && !objects)
+    badInput(options_.path, ": is damaged: has no 'objects'");
   mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin,
-                archive_->objects());
+                std::move(objects));
 }
 
 void
@@ -135,8 +140,8 @@ MappingArchive::commit(SemanticMapper& mapper, bool finished)
   ArchiveState state;
   state.cloud_origin = mapper.map().cloudOrigin();
   state.finished = finished;
-  if (mapper.objects())
-    archive_->putObjects(mapper.objects()->objects());
+  if (const std::optional<MapObjects> changes = mapper.takeObjectChanges())
+    archive_->putObjects(*changes);
   archive_->commit(state);
   since_commit_ = 0;
 }

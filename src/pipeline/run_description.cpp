@@ -91,7 +91,7 @@ describeCamera(const MappingRun& run, std::ostream& text)
 }
 
 void
-describeLabelSet(const LabelSet& label_set, std::ostream& text)
+describeLabelSet(const LabelSet& label_set, bool with_things, std::ostream& text)
 {
   text << "classes: " << label_set.size() << "\n";
   for (int label = 1; label <= label_set.size(); ++label) {
@@ -100,8 +100,10 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
     for (const std::uint8_t channel : each.colour)
       text << " " << int(channel);
     text << (each.sky ? " sky" : "") << (each.dynamic ? " dynamic" : "")
-         << (each.thin ? " thin" : "") << (each.thing ? " thing" : "");
-    if (each.gap > 0.0)
+         << (each.thin ? " thin" : "");
+    if (with_things && each.thing)
+      text << " thing";
+    if (with_things && each.gap > 0.0)
       text << " " << exactText(each.gap);
     text << "\n";
   }
@@ -127,7 +129,7 @@ describeRun(const MappingRun& run)
     text << name << ": " << describeInput(value) << "\n";
   describeFrames(run.frames, text);
   describeCamera(run, text);
-  describeLabelSet(run.label_set, text);
+  describeLabelSet(run.label_set, run.config.things, text);
   MapperConfig config = run.config;
   for (const ConfigParameter& parameter : parametersOf(config))
     if (affectsMap(parameter.name, config))

@@ -249,19 +249,20 @@ SemanticMapper::fuse(MappedFrame& mapped)
   else
     // finish() may run the CRF with it.
     cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
-  last_frame_ = mapped.frame;
   if (objects_)
-    times.measure("things", [&] { trackObjects(mapped.voxels); });
+    times.measure("things", [&] {
+      objects_->update(mapped.voxels, map_.window(), mapped.frame);
+      numberObjects(mapped.voxels);
+    });
   ++frames_;
   if (callback_)
     callback_(mapped, map_);
 }
 
 void
-SemanticMapper::trackObjects(VoxelCloud& voxels)
+SemanticMapper::numberObjects(VoxelCloud& voxels)
 {
   has_new_labels_ = false;
-  objects_->update(voxels, map_.window(), last_frame_);
   if (!objects_->leftVoxels().empty()) {
     map_.setFree(objects_->leftVoxels());
     voxels = map_.occupied();
@@ -277,11 +278,12 @@ SemanticMapper::finish()
     VoxelCloud voxels = map_.occupied();
     refineVoxels(voxels);
     map_.setRefined(voxels, voxels.refined);
-    refined_ = true;
+    refined_ = has_new_labels_ = true;
   }
   if (objects_ && has_new_labels_) {
     VoxelCloud voxels = map_.occupied();
-    trackObjects(voxels);
+    objects_->updateLabels(voxels, map_.window());
+    numberObjects(voxels);
   }
 }
 

@@ -34,6 +34,7 @@ constexpr double kMaxJump = 3.0;
 // Its voxels are in any order, and cells have their observations.
 struct Track : MapObject {
   ObjectTracker::Window extent; // contains all voxels
+  bool is_changed = true;       // since the last takeChanges()
 };
 
 // A group of voxels of one class in the present map.
@@ -83,7 +84,8 @@ struct ObjectTracker::State {
   std::size_t min_voxels = 0;
   Number last_number = 0;
   int frames = 0;
-  std::optional<int> last_frame; // its number
+  FrameTime frame;             // of the last update
+  bool has_new_labels = false; // in updateLabels()
   std::vector<VoxelIndex> left;
 
   std::vector<Component> components(const VoxelCloud& voxels);
@@ -96,7 +98,11 @@ struct ObjectTracker::State {
   void judgeMotion(Track& track, const Component& component, double voxel_size,
                    const Window& window);
   void take(Component& component, const VoxelCloud& voxels, const Window& window,
-            const VoxelMapOf<Number>& predicted, const FrameTime& frame);
+            const VoxelMapOf<Number>& predicted);
+  void update(const VoxelCloud& voxels, const Window& window);
+  bool hasSeen(const Track& track) const;
+  MapObject objectOf(const Track& track) const;
+  MapObjects common() const;
 };
 
 ObjectTracker::ObjectTracker(const LabelSet& label_set, const Parameters& parameters)
@@ -320,13 +326,21 @@ ObjectTracker::State::matchNear(std::vector<Component>& components)
     }
 }
 
+// Whether the present frame has seen a track before its labels changed.
+bool
+ObjectTracker::State::hasSeen(const Track& track) const
+{
+  return has_new_labels && !track.sightings.empty() &&
+         track.sightings.back().frame == frames;
+}
+
 // Compares the present sighting of an object with an earlier one.
 void
 ObjectTracker::State::judgeMotion(Track& track, const Component& component,
                                   double voxel_size, const Window& window)
 {
   if (!label_set[track.label].dynamic || component.seen.voxels.empty() ||
-      track.sightings.empty())
+      track.sightings.empty() || hasSeen(track))
     return;
   const ObjectSighting& before = track.sightings.front();
   std::size_t inside = 0, gone = 0;
@@ -357,11 +371,11 @@ ObjectTracker::State::judgeMotion(Track& track, const Component& component,
 // Updates the track of a component, and the cells of its voxels.
 void
 ObjectTracker::State::take(Component& component, const VoxelCloud& voxels,
-                           const Window& window, const VoxelMapOf<Number>& predicted,
-                           const FrameTime& frame)
+                           const Window& window, const VoxelMapOf<Number>& predicted)
 {
   Track& track = *component.track;
   track.label = component.label;
+  track.is_changed = true;
   component.seen.frame = frames;
   component.seen.timestamp = frame.timestamp;
   judgeMotion(track, component, voxels.voxel_size, window);
@@ -390,7 +404,7 @@ ObjectTracker::State::take(Component& component, const VoxelCloud& voxels,
   track.extent.setEmpty();
   for (const VoxelIndex& voxel : track.voxels)
     track.extent.extend(voxel);
-  if (component.seen.voxels.empty())
+  if (component.seen.voxels.empty() || hasSeen(track))
     return;
   track.last_frame = frames;
   track.summary.last_frame = frame.number;
@@ -404,73 +418,86 @@ void
 ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
                       const FrameTime& frame)
 {
+  state_->frame = frame;
+  state_->update(voxels, window);
+}
+
+void
+ObjectTracker::updateLabels(const VoxelCloud& voxels, const Window& window)
+{
   State& state = *state_;
-  state.left.clear();
-  if (state.last_frame == frame.number)
-    --state.frames;
-  state.last_frame = frame.number;
-  const VoxelMapOf<Number> predicted = state.predictions(voxels.voxel_size);
-  std::vector<Component> components;
+  state.has_new_labels = true;
+  state.frames = std::max(0, state.frames - 1); // the last frame again
+  state.update(voxels, window);
+  state.has_new_labels = false;
+}
+
+void
+ObjectTracker::State::update(const VoxelCloud& voxels, const Window& window)
+{
+  left.clear();
+  const VoxelMapOf<Number> predicted = predictions(voxels.voxel_size);
+  std::vector<Component> found;
   std::unordered_set<VoxelIndex, VoxelIndexHash> present;
-  for (Component& whole : state.components(voxels)) {
+  for (Component& whole : components(voxels)) {
     for (const pcl::index_t index : whole.indices) {
       const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
       present.insert(voxel);
-      const auto cell = state.cells.find(voxel);
-      if (cell != state.cells.end())
+      const auto cell = cells.find(voxel);
+      if (cell != cells.end())
         ++whole.shared[cell->second.object];
       const auto coming = predicted.find(voxel);
       if (coming != predicted.end() &&
-          (cell == state.cells.end() || cell->second.object != coming->second))
+          (cell == cells.end() || cell->second.object != coming->second))
         ++whole.shared[coming->second];
     }
-    for (Component& part : state.split(std::move(whole), voxels, predicted)) {
-      see(part, voxels, state.cells);
-      components.push_back(std::move(part));
+    for (Component& part : split(std::move(whole), voxels, predicted)) {
+      see(part, voxels, cells);
+      found.push_back(std::move(part));
     }
   }
   // Voxels of the window that are no object's any more.
-  for (auto& [number, track] : state.tracks) {
+  for (auto& [number, track] : tracks) {
     if (!isIn(window, track))
       continue;
+    track.is_changed = true;
     const auto is_gone = [&](const VoxelIndex& voxel) {
       return window.contains(voxel) && present.count(voxel) == 0;
     };
     for (const VoxelIndex& voxel : track.voxels)
       if (is_gone(voxel))
-        state.cells.erase(voxel);
+        cells.erase(voxel);
     track.voxels.erase(
         std::remove_if(track.voxels.begin(), track.voxels.end(), is_gone),
         track.voxels.end());
   }
-  state.matchShared(components);
-  state.matchNear(components);
-  for (Component& component : components) {
+  matchShared(found);
+  matchNear(found);
+  for (Component& component : found) {
     if (component.indices.empty()) // it has joined another one
       continue;
     if (!component.track) {
       Track track;
-      track.number = ++state.last_number;
+      track.number = ++last_number;
       track.summary.first_frame = frame.number;
-      component.track = &(state.tracks[track.number] = std::move(track));
+      component.track = &(tracks[track.number] = std::move(track));
     }
-    state.take(component, voxels, window, predicted, frame);
+    take(component, voxels, window, predicted);
   }
   // Voxels that changed their object are in two lists: only one has the cell.
-  for (auto track = state.tracks.begin(); track != state.tracks.end();) {
+  for (auto track = tracks.begin(); track != tracks.end();) {
     auto& list = track->second.voxels;
     const Number number = track->first;
     const auto is_others = [&](const VoxelIndex& voxel) {
-      const auto cell = state.cells.find(voxel);
-      return cell == state.cells.end() || cell->second.object != number;
+      const auto cell = cells.find(voxel);
+      return cell == cells.end() || cell->second.object != number;
     };
     if (isIn(window, track->second))
       list.erase(std::remove_if(list.begin(), list.end(), is_others), list.end());
-    const bool is_over =
-        list.empty() && state.frames - track->second.last_frame > kMemory;
-    track = is_over ? state.tracks.erase(track) : std::next(track);
+    const bool is_over = list.empty() && frames - track->second.last_frame > kMemory;
+    track = is_over ? tracks.erase(track) : std::next(track);
   }
-  ++state.frames;
+  ++frames;
 }
 
 std::vector<std::uint32_t>
@@ -500,18 +527,45 @@ ObjectTracker::summarize(const VoxelCloud& voxels) const
 MapObjects
 ObjectTracker::objects() const
 {
-  MapObjects all;
-  all.last_number = state_->last_number;
-  all.frames = state_->frames;
-  all.min_voxels = state_->min_voxels;
-  for (const auto& [number, track] : state_->tracks) {
-    all.objects.push_back(track);
-    MapObject& object = all.objects.back();
-    std::sort(object.voxels.begin(), object.voxels.end(), VoxelIndexLess());
-    for (const VoxelIndex& voxel : object.voxels)
-      object.observations.push_back(state_->cells.at(voxel).observations);
+  MapObjects all = state_->common();
+  for (const auto& [number, track] : state_->tracks)
+    all.objects.push_back(state_->objectOf(track));
+  return all;
+}
+
+MapObjects
+ObjectTracker::takeChanges()
+{
+  MapObjects all = state_->common();
+  for (auto& [number, track] : state_->tracks) {
+    if (track.is_changed)
+      all.objects.push_back(state_->objectOf(track));
+    else
+      all.unchanged.push_back(number);
+    track.is_changed = false;
   }
   return all;
+}
+
+// Without objects.
+MapObjects
+ObjectTracker::State::common() const
+{
+  MapObjects all;
+  all.last_number = last_number;
+  all.frames = frames;
+  all.min_voxels = min_voxels;
+  return all;
+}
+
+MapObject
+ObjectTracker::State::objectOf(const Track& track) const
+{
+  MapObject object = track;
+  std::sort(object.voxels.begin(), object.voxels.end(), VoxelIndexLess());
+  for (const VoxelIndex& voxel : object.voxels)
+    object.observations.push_back(cells.at(voxel).observations);
+  return object;
 }
 
 void
@@ -519,7 +573,6 @@ ObjectTracker::restore(MapObjects all)
 {
   state_->last_number = all.last_number;
   state_->frames = all.frames;
-  state_->last_frame.reset();
   state_->left.clear();
   state_->tracks.clear();
   state_->cells.clear();
@@ -531,6 +584,7 @@ ObjectTracker::restore(MapObjects all)
     }
     static_cast<MapObject&>(track) = std::move(object);
     track.observations.clear();
+    track.is_changed = false;
     state_->tracks[track.number] = std::move(track);
   }
 }

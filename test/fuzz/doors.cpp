@@ -172,6 +172,7 @@ doors()
       {"archive_block", readBlock},
       {"archive_frame", [](const std::string& b) { decodeFrameRecord(7, toBytes(b)); }},
       {"archive_object", [](const std::string& b) { decodeObject(toBytes(b)); }},
+      {"archive_objects", [](const std::string& b) { decodeObjectList(toBytes(b)); }},
       {"archive_seal",
        [](const std::string& b) { unseal(b.data(), b.size(), 1 << 16); }},
       {"calibration",

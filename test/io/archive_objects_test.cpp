@@ -102,6 +102,28 @@ merge(const std::vector<MapObjects>& maps)
   return mergeObjects(placed);
 }
 
+// An archive in which the voxels of the objects are occupied by cars.
+void
+writeCars(const std::string& path, const std::vector<MapObject>& objects)
+{
+  Blocks blocks;
+  for (const MapObject& object : objects)
+    for (const VoxelIndex& voxel : object.voxels) {
+      VoxelBlock& block = blocks[blockOf(voxel)];
+      const int record = block.makeRecord(voxelInBlock(voxel), 3);
+      block.log_odds[std::size_t(voxelInBlock(voxel))] = 4000;
+      block.records[std::size_t(record)].observations = 2;
+      block.records[std::size_t(record)].label_observations = 2;
+      block.measured[std::size_t(3 * record)] = -5.0f;
+      block.measured[std::size_t(3 * record + 2)] = -5.0f;
+    }
+  const auto archive = MapArchive::create(path, makeArchiveHeader());
+  putAll(blocks, *archive);
+  archive->putObjects(makeMapObjects(objects));
+  archive->commit({});
+  archive->close();
+}
+
 using Numbers = std::vector<std::uint32_t>;
 
 } // namespace
@@ -131,9 +153,9 @@ TEST(ArchiveObjects, AreThoseOfTheLastCommit)
   MapObjects objects = makeMapObjects(
       {makeMapObject(1, {0, 0, 0}, {2, 1, 1}), makeMapObject(2, {9, 0, 0}, {2, 1, 1})});
   const auto archive = archiveWith(path, objects);
-  objects.objects.erase(objects.objects.begin());
-  objects.objects[0].voxels[1].x() += 5;
-  objects.objects.push_back(makeMapObject(3, {0, 20, 0}, {2, 1, 1}));
+  const MapObject kept = objects.objects[1];
+  objects.objects = {makeMapObject(3, {0, 20, 0}, {2, 1, 1})};
+  objects.unchanged = {2};
   objects.last_number = 3;
   archive->putObjects(objects);
   EXPECT_EQ(numbersIn(*MapArchive(path, ArchiveAccess::read).objects()),
@@ -141,7 +163,8 @@ TEST(ArchiveObjects, AreThoseOfTheLastCommit)
   archive->commit({});
   const auto read = MapArchive(path, ArchiveAccess::read).objects();
   EXPECT_EQ(numbersIn(*read), (Numbers{2, 3}));
-  expectSame(read->objects[0], objects.objects[0]);
+  expectSame(read->objects[0], kept);
+  expectSame(read->objects[1], objects.objects[0]);
   archive->close();
   ArchiveDatabase database(path, ArchiveDatabase::Access::read);
   EXPECT_FALSE(database.hasMeta("object 1"));
@@ -174,12 +197,18 @@ TEST(ArchiveObjects, DamageIsReported)
   const MapObject car = makeMapObject(1, {0, 0, 0}, {2, 2, 2});
   EXPECT_EQ(faultsOf(makeMapObjects({car}), ""), "0 faults");
   EXPECT_EQ(faultsOf(makeMapObjects({car}), "DELETE FROM meta WHERE name = 'object 1'"),
-            path + ": is damaged: has no 'object 1'");
+            path + ": is damaged: has 0 objects, expected 1");
   EXPECT_EQ(faultsOf(makeMapObjects({car, makeMapObject(2, {9, 0, 0}, {1, 1, 1})}),
                      "UPDATE meta SET value = (SELECT value FROM meta WHERE name = "
                      "'object 2') WHERE name = 'object 1'"),
             path + ": 'object 1': has an entry of another name");
-  MapObject other = car;
+  EXPECT_EQ(faultsOf(makeMapObjects({car}), "DELETE FROM meta WHERE name = 'objects'"),
+            path + ": is damaged: has 1 objects, expected 0");
+  MapObject other = makeMovingObject(1, {0, 0, 0});
+  other.sightings[1].frame = 6;
+  EXPECT_EQ(faultsOf(makeMapObjects({other}), ""),
+            path + ": 'object 1': has frames out of order, or beyond 8");
+  other = car;
   other.label = 4;
   EXPECT_EQ(faultsOf(makeMapObjects({other}), ""),
             path + ": 'object 1': has label 4, expected 1 to 3");
@@ -243,20 +272,7 @@ TEST(MergeObjects, OtherClassesAndMovingObjectsStayApart)
 TEST(MergeObjects, VoxelsMoveAsThoseOfTheMap)
 {
   const TemporaryFolder folder;
-  VoxelBlock block;
-  std::vector<MapObject> objects = {makeMapObject(1, {0, 0, 0}, {8, 4, 2})};
-  for (const VoxelIndex& voxel : objects[0].voxels) {
-    const int record = block.makeRecord(voxelInBlock(voxel), 3);
-    block.log_odds[std::size_t(voxelInBlock(voxel))] = 4000;
-    block.records[std::size_t(record)].observations = 2;
-    block.measured[std::size_t(3 * record)] = -5.0f;
-    block.measured[std::size_t(3 * record + 2)] = -5.0f;
-  }
-  const auto archive = MapArchive::create(folder.path("a"), makeArchiveHeader());
-  archive->put({0, 0, 0}, block);
-  archive->putObjects(makeMapObjects(objects));
-  archive->commit({});
-  archive->close();
+  writeCars(folder.path("a"), {makeMapObject(1, {0, 0, 0}, {8, 4, 2})});
   PlacedArchive placed{folder.path("a"), Eigen::Isometry3d::Identity()};
   placed.motion = Eigen::Translation3d(3.1, -70.2, 0.4) *
                   Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, -0.3, 1.0).normalized());
@@ -274,16 +290,28 @@ TEST(MergeObjects, VoxelsMoveAsThoseOfTheMap)
   EXPECT_GT(hit.size(), 50u);
 }
 
+TEST(MergeObjects, VoxelsThatTheMapDoesNotShowAreLeftOut)
+{
+  const TemporaryFolder folder;
+  MapObject part = makeMapObject(1, {0, 0, 0}, {4, 2, 2});
+  writeCars(folder.path("map"), {part});
+  part.voxels.push_back({4, 0, 0}); // is not occupied
+  part.observations.push_back(1);
+  MapObject pole = makeMapObject(2, {0, 0, 0}, {4, 1, 1}); // is a car in the map
+  pole.label = 1;
+  MapObjects objects =
+      makeMapObjects({part, pole, makeMapObject(3, {3, 1, 1}, {1, 1, 1})});
+  keepVisible(MapArchive(folder.path("map"), ArchiveAccess::read), objects);
+  EXPECT_EQ(numbersIn(objects), Numbers{1}) << "one voxel is too few";
+  EXPECT_EQ(voxelsOf(objects, 1), 16u);
+}
+
 TEST(MergeObjects, TheOrderOfTheMapsDoesNotMatter)
 {
   const TemporaryFolder folder;
-  archiveWith(folder.path("a"),
-              makeMapObjects({makeMapObject(1, {0, 0, 0}, {4, 2, 2})}))
-      ->close();
-  archiveWith(folder.path("b"),
-              makeMapObjects({makeMapObject(1, {9, 0, 0}, {4, 2, 2}),
-                              makeMapObject(2, {2, 1, 0}, {4, 2, 2})}))
-      ->close();
+  writeCars(folder.path("a"), {makeMapObject(1, {0, 0, 0}, {4, 2, 2})});
+  writeCars(folder.path("b"), {makeMapObject(1, {9, 0, 0}, {4, 2, 2}),
+                               makeMapObject(2, {2, 1, 0}, {4, 2, 2})});
   const auto mergeOf = [&](const std::vector<std::string>& names,
                            const std::string& output) {
     std::vector<PlacedArchive> archives;

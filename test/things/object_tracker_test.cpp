@@ -178,6 +178,60 @@ TEST(ObjectTracker, AnotherTrackerContinuesTheSame)
   }
 }
 
+// One car drives, another one stands; half of its labels come late.
+TEST(ObjectTracker, LateLabelsAddVoxelsAndNothingElse)
+{
+  ObjectTracker tracker(streetLabels(), {});
+  Street street;
+  for (int frame = 0; frame < 10; ++frame) {
+    street.free({8 * frame - 8, 20, 0}, car_size);
+    street.hit(kCar, {8 * frame, 20, 0}, car_size);
+    street.hit(kCar, {0, 0, 0}, {5, 8, 6});
+    street.hit(kRoad, {5, 0, 0}, {5, 8, 6}); // of the car, before its labels
+    street.track(tracker);
+  }
+  VoxelCloud cloud = street.cloud();
+  const std::vector<ObjectSummary> before = summaries(tracker, cloud);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.indices[i].y() < 20)
+      (*cloud.cloud)[i].label = kCar;
+  tracker.updateLabels(cloud, street.window);
+  EXPECT_TRUE(tracker.leftVoxels().empty());
+  const std::vector<ObjectSummary> after = summaries(tracker, cloud);
+  ASSERT_EQ(before.size(), 2u);
+  ASSERT_EQ(after.size(), 2u);
+  const ObjectSummary &was = before[0], &still = after[0];
+  EXPECT_EQ(was.points, 5u * 8 * 6);
+  EXPECT_EQ(still.points, 10u * 8 * 6);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(after[i].track->frames, 10);
+    EXPECT_EQ(after[i].track->moving, before[i].track->moving);
+    EXPECT_EQ(after[i].track->motion, before[i].track->motion);
+  }
+  EXPECT_EQ(after[1].points, before[1].points);
+  EXPECT_TRUE(after[1].track->moving);
+}
+
+TEST(ObjectTracker, TakesOnlyChanges)
+{
+  ObjectTracker tracker(streetLabels(), {});
+  Street street;
+  street.hit(kCar, {0, 0, 0}, car_size);
+  street.hit(kCar, {500, 0, 0}, car_size);
+  street.track(tracker);
+  EXPECT_EQ(tracker.takeChanges().objects.size(), 2u);
+  EXPECT_EQ(tracker.takeChanges().unchanged, (std::vector<std::uint32_t>{1, 2}));
+  Street end; // another window
+  end.window = {VoxelIndex(400, -50, -50), VoxelIndex(600, 50, 50)};
+  end.hit(kCar, {500, 0, 0}, car_size);
+  end.track(tracker);
+  const MapObjects changes = tracker.takeChanges();
+  ASSERT_EQ(changes.objects.size(), 1u);
+  EXPECT_EQ(changes.objects[0].number, 2u);
+  EXPECT_EQ(changes.unchanged, std::vector<std::uint32_t>{1});
+  EXPECT_EQ(tracker.objects().objects.size(), 2u);
+}
+
 TEST(ObjectTracker, StillObjectsKeepTheirNumbers)
 {
   ObjectTracker tracker(streetLabels(), {});

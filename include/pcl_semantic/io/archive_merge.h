@@ -75,8 +75,9 @@ std::string tiledObjectsPath(const std::string& index);
 
 /** \brief Merges the objects of the inputs of a tiled map, as mergeArchives() does,
  * into an archive without blocks at tiledObjectsPath(). Replaces an existing file.
- * Removes it if no input has objects. \param[in] index path of the tiled map \throws as
- * mergeArchives() */
+ * Removes it if no input has objects.
+ * \param[in] index path of the tiled map, which exists
+ * \throws as mergeArchives() */
 void mergeTiledObjects(const std::vector<PlacedArchive>& inputs,
                        const std::string& index);
 

@@ -80,7 +80,8 @@ public:
 
   ArchiveState state() const override;
 
-  /** \brief Adds the objects of the map to the next commit; replaces earlier ones. */
+  /** \brief Adds the objects of the map to the next commit. Earlier ones are replaced,
+   * kept if they are in MapObjects::unchanged, or else removed. */
   void putObjects(const MapObjects& objects);
 
   std::optional<MapObjects> objects() const override;

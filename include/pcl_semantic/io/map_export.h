@@ -41,8 +41,7 @@ VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection)
  * \param[in] selection other voxels are left out
  * \throws BadInputException if the archive is damaged */
 std::vector<ObjectSummary> describeObjects(const MapReader& archive,
-                                           const VoxelSelection& selection = {},
-                                           const BlockProgress& progress = nullptr);
+                                           const VoxelSelection& selection = {});
 
 /** \brief Writes occupied voxels as writeVoxelCloud() does; for the whole map the files
  * are identical. Memory: one block and the objects. Reads the archive twice.

@@ -199,6 +199,13 @@ public:
     return objects_.get();
   }
 
+  /** \brief See ObjectTracker::takeChanges(); nothing without objects. */
+  std::optional<MapObjects>
+  takeObjectChanges()
+  {
+    return objects_ ? std::optional(objects_->takeChanges()) : std::nullopt;
+  }
+
 private:
   bool isRefinedAt(int frame) const;
 
@@ -230,7 +237,7 @@ private:
 
   void refineVoxels(VoxelCloud& voxels);
 
-  void trackObjects(VoxelCloud& voxels);
+  void numberObjects(VoxelCloud& voxels);
 
   std::optional<StereoCamera> camera_;
   MapperConfig config_;
@@ -243,7 +250,6 @@ private:
   std::unique_ptr<ObjectTracker> objects_;
   Callback callback_;
   int frames_ = 0;
-  FrameTime last_frame_;
   bool refined_ = true; // no measurement was added after the last run of the CRF
   bool has_new_labels_ = false; // since the last search for objects
 };

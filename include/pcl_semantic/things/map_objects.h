@@ -43,16 +43,19 @@ struct MapObject {
 
 /** \brief The objects of a map, as ObjectTracker has left them. */
 struct MapObjects {
-  std::vector<MapObject> objects; ///< ascending numbers
-  std::uint32_t last_number = 0;  ///< largest number so far, also of objects that
-                                  ///< no longer exist
-  int frames = 0;                 ///< number of frames so far
+  std::vector<MapObject> objects;       ///< ascending numbers
+  std::vector<std::uint32_t> unchanged; ///< numbers of other objects, ascending, which
+                                        ///< are as an archive has them already
+  std::uint32_t last_number = 0;        ///< largest number so far, also of objects that
+                                        ///< no longer exist
+  int frames = 0;                       ///< number of frames so far
   std::size_t min_voxels = 1; ///< objects with fewer voxels have no number in clouds
 };
 
 /** \brief Finds the objects of voxels. */
 class ObjectLookup {
 public:
+  /** \param[in] objects without unchanged ones */
   explicit ObjectLookup(MapObjects objects);
 
   /** \brief The number of the object of each voxel, 0 = none.

@@ -45,12 +45,16 @@ public:
 
   ~ObjectTracker();
 
-  /** \brief Finds the objects in the map after a frame, or again if labels were added
-   * to the map since the last call with the same frame.
+  /** \brief Finds the objects in the map after a frame.
    * \param[in] voxels the occupied voxels of the window
    * \param[in] window of the map
    * \throws BadInputException as connectedComponents() */
   void update(const VoxelCloud& voxels, const Window& window, const FrameTime& frame);
+
+  /** \brief Finds the objects again, if labels of the map have changed since the last
+   * update(). Nothing moves.
+   * \param[in] voxels, window as in update() */
+  void updateLabels(const VoxelCloud& voxels, const Window& window);
 
   /** \brief Voxels that moving objects have left in the last update(), although the map
    * still has them. */
@@ -69,6 +73,10 @@ public:
 
   /** \brief The objects so far, with all that update() needs to continue. */
   MapObjects objects() const;
+
+  /** \brief The same, but objects that have not changed since the last call are in
+   * MapObjects::unchanged. */
+  MapObjects takeChanges();
 
   /** \brief Continues from another tracker of the same map and parameters.
    * \param[in] objects of objects() */
