@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kVersion = 2; // 2: positions of hits
+constexpr std::int64_t kVersion = 3;       // 3: deviations of labels
+constexpr std::int64_t kOldestVersion = 2; // 2: positions of hits
 
 constexpr std::size_t kMaxMeta = 1 << 26; // an object of 4 million voxels
 constexpr std::size_t kMaxFrame = 1 << 16;
@@ -205,12 +206,13 @@ ArchiveDatabase::checkTables()
   if (version > kVersion || version == 1)
     badInput(path(), ": is an archive of version ", version, ", ",
              (version > kVersion ? "newer" : "older"),
-             " than this program, which reads version ", kVersion);
+             " than this program, which reads versions ", kOldestVersion, " and ",
+             kVersion);
   SqliteStatement schema(
       database_, "SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY name");
   std::vector<std::string> found;
   schema.forEachRow([&] { found.emplace_back(schema.bytes(0)); });
-  if (version != kVersion || found != tables)
+  if (version < kOldestVersion || found != tables)
     badInput(path(), ": is damaged: its tables are not those of version ", kVersion);
 }
 

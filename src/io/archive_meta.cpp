@@ -99,7 +99,7 @@ encodeParameters(const MapParameters& parameters)
   MapParameters copy = parameters;
   const NamedValues values = valuesOf(copy);
   ByteWriter writer;
-  writer.put(static_cast<std::uint32_t>(values.size() + 4));
+  writer.put(static_cast<std::uint32_t>(values.size() + 5));
   const auto put = [&](const std::string& name, double value) {
     writer.putText(name);
     writer.put(value);
@@ -109,6 +109,7 @@ encodeParameters(const MapParameters& parameters)
   put("pixel_fusion", static_cast<double>(parameters.fusion.pixel_fusion));
   put("per_ray_counting", parameters.fusion.per_ray_counting);
   put("free_dynamic", parameters.fusion.free_dynamic);
+  put("weigh_labels", parameters.fusion.weigh_labels);
   put("clearing", static_cast<double>(parameters.fusion.clearing));
   return writer.bytes();
 }
@@ -119,12 +120,13 @@ decodeParameters(const Bytes& bytes)
   MapParameters parameters;
   NamedValues missing = valuesOf(parameters);
   double pixel_fusion = 0.0, per_ray_counting = 0.0;
-  double free_dynamic = 0.0;                           // of older archives
+  double free_dynamic = 0.0, weigh_labels = 0.0;       // of older archives
   auto clearing = static_cast<double>(Clearing::full); // default of older archives
   missing["pixel_fusion"] = &pixel_fusion;
   missing["per_ray_counting"] = &per_ray_counting;
   missing["clearing"] = &clearing;
   missing["free_dynamic"] = &free_dynamic;
+  missing["weigh_labels"] = &weigh_labels;
   ByteReader reader(bytes);
   for (auto count = reader.get<std::uint32_t>(); count > 0; --count) {
     const std::string name = reader.getText();
@@ -138,12 +140,14 @@ decodeParameters(const Bytes& bytes)
   requireEnd(reader);
   missing.erase("clearing");
   missing.erase("free_dynamic");
+  missing.erase("weigh_labels");
   if (!missing.empty())
     badInput("lacks ", missing.begin()->first);
   parameters.fusion.pixel_fusion =
       pixel_fusion == 0.0 ? PixelFusion::mean : PixelFusion::product;
   parameters.fusion.per_ray_counting = per_ray_counting != 0.0;
   parameters.fusion.free_dynamic = free_dynamic != 0.0;
+  parameters.fusion.weigh_labels = weigh_labels != 0.0;
   parameters.fusion.clearing = clearing == 0.0   ? Clearing::none
                                : clearing == 1.0 ? Clearing::full
                                                  : Clearing::careful;

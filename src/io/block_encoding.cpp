@@ -18,6 +18,7 @@ constexpr std::size_t kIndexSize = 3 * sizeof(std::int32_t);
 constexpr std::size_t kCountsSize = sizeof(std::uint8_t) + sizeof(std::uint16_t);
 constexpr std::size_t kRecordNumbers = 6;
 constexpr std::size_t kPositionSize = 3 * sizeof(std::uint16_t);
+constexpr std::size_t kDeviationSize = sizeof(std::uint16_t); // not in version 2
 
 void
 checkBlock(const VoxelBlock& block, int classes)
@@ -100,6 +101,10 @@ putRecords(const VoxelBlock& block, int classes, ByteWriter& writer)
   }
   putDistributions(block.measured, order, classes, writer);
   putDistributions(block.refined, order, classes, writer);
+  std::vector<std::uint16_t> deviations(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    deviations[i] = block.records[std::size_t(order[i])].label_deviation;
+  writer.putColumn(deviations);
 }
 
 void
@@ -129,6 +134,11 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
   }
   block.measured = getDistributions(reader, records, classes);
   block.refined = getDistributions(reader, records, classes);
+  if (reader.left() == 0) // version 2
+    return;
+  const auto deviations = reader.getColumn<std::uint16_t>(records);
+  for (std::size_t i = 0; i < records; ++i)
+    block.records[i].label_deviation = deviations[i];
 }
 
 std::size_t
@@ -140,7 +150,7 @@ encodedBlockSize(std::size_t records, int classes)
     return fixed;
   return fixed + kBlockVoxels / 8 +
          records * (kRecordNumbers * sizeof(std::uint32_t) + kPositionSize +
-                    2 * std::size_t(classes) * sizeof(float));
+                    2 * std::size_t(classes) * sizeof(float) + kDeviationSize);
 }
 
 // Measured (doc/map.md): level 5 takes twice the time for 3 % less.
@@ -201,7 +211,9 @@ decodeBlock(const Bytes& bytes, const VoxelIndex& index, int classes)
   const std::size_t records = reader.get<std::uint16_t>();
   if (stored_classes != classes)
     badInput("has ", stored_classes, " classes, expected ", classes);
-  if (records > kBlockVoxels || bytes.size() != encodedBlockSize(records, classes))
+  const std::size_t size = encodedBlockSize(records, classes);
+  if (records > kBlockVoxels ||
+      (bytes.size() != size && bytes.size() != size - records * kDeviationSize))
     badInput("has ", bytes.size(), " bytes, which are not those of ", records,
              " records");
   auto block = std::make_unique<VoxelBlock>();

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace pcl_semantic {
 
@@ -51,6 +52,18 @@ mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
   return static_cast<StoredLogOdds>(std::clamp(sum, lowest, highest));
 }
 
+// Of the labels; 0 without labels.
+std::uint16_t
+bestDeviation(const std::vector<Source>& sources)
+{
+  std::optional<std::uint16_t> best;
+  for (const Source& source : sources)
+    if (source.record->label_observations > 0)
+      best = std::min(best.value_or(source.record->label_deviation),
+                      source.record->label_deviation);
+  return best.value_or(0);
+}
+
 VoxelRecord
 mergeRecords(const std::vector<Source>& sources)
 {
@@ -68,6 +81,7 @@ mergeRecords(const std::vector<Source>& sources)
     observations += record.observations;
     labels += record.label_observations;
   }
+  const auto deviation = bestDeviation(sources);
   for (; colours > kMaxColourCount; colours /= 2)
     for (std::uint64_t& sum : colour)
       sum /= 2;
@@ -77,20 +91,24 @@ mergeRecords(const std::vector<Source>& sources)
                      saturate(labels)};
   for (std::size_t axis = 0; axis < 3; ++axis)
     merged.position[axis] = std::uint16_t(position[axis] / weight);
+  merged.label_deviation = deviation;
   return merged;
 }
 
-// Eq. (1) of the paper over all maps: adds the log-probabilities. The sums are stored
-// relative to the largest sum and clamped at -log_ratio.
+// Eq. (1) of the paper over all maps: adds the log-probabilities, weighted as
+// VoxelMeasurement::fuseLabels() does. The sums are stored relative to the largest sum
+// and clamped at -log_ratio.
 void
 mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
               float* merged)
 {
   std::array<std::int64_t, 256> sums{};
+  const std::uint16_t best = bestDeviation(sources);
   for (const Source& source : sources) {
+    const double weight = labelWeight(best, source.record->label_deviation);
     for (std::size_t k = 0; k < std::size_t(classes); ++k) {
       const double log = std::clamp(double(source.measured[k]), -log_ratio, 0.0);
-      sums[k] += std::llround(log * kLogScale);
+      sums[k] += std::llround(weight * log * kLogScale);
     }
   }
   const std::int64_t largest = *std::max_element(sums.begin(), sums.begin() + classes);

@@ -29,8 +29,9 @@ BlockUpdate::BlockUpdate(const LabelSet& label_set, const MapParameters& paramet
       dynamic_(classesWith(&LabelClass::dynamic, label_set)),
       occupies_dynamic_(parameters.fusion.occupy_dynamic),
       occupancy_(parameters.fusion), per_ray_(parameters.fusion.per_ray_counting),
-      voxel_size_(parameters.voxel_size), scan_(scan),
-      measurement_(classes_, parameters.fusion)
+      voxel_size_(parameters.voxel_size),
+      label_error_(parameters.fusion.weigh_labels ? scan.depth_error : 0.0),
+      scan_(scan), measurement_(classes_, parameters.fusion)
 {}
 
 std::size_t
@@ -121,7 +122,9 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
     if (!scan_.rgb.empty())
       measurement_.addColour(scan_.rgb[point]);
     if (scan_.distributions)
-      measurement_.addDistribution(scan_.distributions->column(Eigen::Index(point)));
+      measurement_.addDistribution(
+          scan_.distributions->column(Eigen::Index(point)),
+          storedDeviation(label_error_, scan_.points[point], voxel_size_));
   }
   const int record = block.makeRecord(offset, classes_);
   const bool labelled = measurement_.fuseInto(

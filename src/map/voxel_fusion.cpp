@@ -80,6 +80,27 @@ hitWeight(double voxel_size, float deviation)
   return float(std::erf(voxel_size / (2.0 * std::sqrt(2.0) * double(deviation))));
 }
 
+std::uint16_t
+storedDeviation(double error, const Eigen::Vector3f& point, double voxel_size)
+{
+  if (!(error > 0.0))
+    return 0;
+  constexpr double unit = 4096.0, most = 65535.0;
+  const double squared_distance = point.cast<double>().squaredNorm();
+  return std::uint16_t(
+      std::clamp(std::round(error * squared_distance / voxel_size * unit), 1.0, most));
+}
+
+double
+labelWeight(std::uint16_t best, std::uint16_t deviation)
+{
+  if (best == deviation)
+    return 1.0;
+  constexpr double least = 0.02;
+  const double ratio = double(best) / double(deviation);
+  return std::max(least, ratio * ratio);
+}
+
 OccupancyUpdate::OccupancyUpdate(const FusionParameters& parameters)
     : hit_(storedLogOdds(parameters.hit_probability)),
       miss_(storedLogOdds(parameters.miss_probability)),
@@ -126,13 +147,14 @@ VoxelMeasurement::addColour(std::uint32_t rgb)
 }
 
 void
-VoxelMeasurement::addDistribution(const float* distribution)
+VoxelMeasurement::addDistribution(const float* distribution, std::uint16_t deviation)
 {
   const float* const end = distribution + log_likelihood_.size();
   if (std::all_of(distribution, end, [](float p) { return p == 0; }))
     return;
   addLogs(distribution, log_sums_.size(), float(parameters_.label_min_probability),
           log_sums_.data());
+  deviation_ = labelled_ == 0 ? deviation : std::min(deviation_, deviation);
   ++labelled_;
 }
 
@@ -175,16 +197,34 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
   return fuseLabels(record, log_distribution);
 }
 
+// A voxel's labels are weighted relative to the best look at it: if this is the new
+// one, the older ones lose weight. Returns the weight of the new labels.
+double
+VoxelMeasurement::weighOlder(VoxelRecord& record, float* log_distribution) const
+{
+  const std::uint16_t best = record.label_deviation;
+  if (record.label_observations > 0 && best <= deviation_)
+    return labelWeight(best, deviation_);
+  record.label_deviation = deviation_;
+  if (record.label_observations == 0)
+    return 1.0;
+  const double weight = labelWeight(deviation_, best);
+  for (std::size_t k = 0; k < log_likelihood_.size(); ++k)
+    log_distribution[k] = float(weight * double(log_distribution[k]));
+  return 1.0;
+}
+
 bool
 VoxelMeasurement::fuseLabels(VoxelRecord& record, float* log_distribution)
 {
   if (labelled_ == 0)
     return false;
+  const double weight = weighOlder(record, log_distribution);
   ++record.label_observations;
   const double divisor =
       parameters_.pixel_fusion == PixelFusion::mean ? double(labelled_) : 1.0;
   for (std::size_t k = 0; k < log_likelihood_.size(); ++k)
-    log_likelihood_[k] = float(double(log_sums_[k]) / (kLogScale * divisor));
+    log_likelihood_[k] = float(weight * double(log_sums_[k]) / (kLogScale * divisor));
   fuseLogLikelihood(log_likelihood_.data(), static_cast<int>(log_likelihood_.size()),
                     float(std::log(parameters_.label_max_ratio)), log_distribution);
   return true;

@@ -5,6 +5,8 @@
 #include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
+#include <Eigen/Core>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +22,19 @@ StoredLogOdds storedLogOdds(double probability);
  * \param[in] voxel_size [m]
  * \param[in] deviation standard deviation of its distance [m]; 0 = exact */
 float hitWeight(double voxel_size, float deviation);
+
+/** \brief Standard deviation of a stereo depth in the unit of
+ * VoxelRecord::label_deviation, 1 to 65535; 0 for an exact one.
+ * \param[in] error see Scan::depth_error [1/m]
+ * \param[in] point in the sensor's frame [m]
+ * \param[in] voxel_size [m] */
+std::uint16_t storedDeviation(double error, const Eigen::Vector3f& point,
+                              double voxel_size);
+
+/** \brief Weight of labels relative to those of the best look at a voxel: the inverse
+ * ratio of the variances of the depths, at least 0.02.
+ * \param[in] best, deviation as VoxelRecord::label_deviation, best <= deviation */
+double labelWeight(std::uint16_t best, std::uint16_t deviation);
 
 /** \brief Adds one hit or miss to a voxel, clamped; an unknown voxel starts at even
  * odds. */
@@ -100,8 +115,9 @@ public:
   /** \param[in] rgb packed as in pcl::PointXYZRGB */
   void addColour(std::uint32_t rgb);
 
-  /** \param[in] distribution L probabilities; all zero (unlabelled) is ignored */
-  void addDistribution(const float* distribution);
+  /** \param[in] distribution L probabilities; all zero (unlabelled) is ignored
+   * \param[in] deviation of the point's depth, see storedDeviation() */
+  void addDistribution(const float* distribution, std::uint16_t deviation = 0);
 
   /** \brief Fuses the scan into a voxel: mean position and colour, labels by eq. (1).
    * \param[in,out] log_distribution L values, see VoxelBlock::measured
@@ -118,10 +134,13 @@ public:
 private:
   void fusePosition(VoxelRecord& record) const;
 
+  double weighOlder(VoxelRecord& record, float* log_distribution) const;
+
   const FusionParameters parameters_;
   std::vector<std::int64_t> log_sums_;
   std::vector<float> log_likelihood_;
   std::int64_t labelled_ = 0;
+  std::uint16_t deviation_ = 0; // the smallest one of a label
   std::array<std::uint64_t, 3> colour_sum_{}, position_sum_{};
   std::uint32_t colour_count_ = 0, position_count_ = 0;
 };

@@ -107,6 +107,10 @@ parametersOf(MapperConfig& config)
        chooseFrom(fusion.pixel_fusion, {"mean", "product"})},
       {"label_min_probability", "lower bound of each measured class probability",
        &fusion.label_min_probability, "0.01"},
+      {"weigh_labels",
+       "weigh the labels of a stereo frame by the precision of their depths: true or "
+       "false",
+       &fusion.weigh_labels, "true"},
       {"label_max_ratio",
        "upper bound of largest / smallest probability of a fused distribution",
        &fusion.label_max_ratio, "10000"},

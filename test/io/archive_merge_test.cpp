@@ -87,10 +87,26 @@ expectSum(const VoxelBlock& a, const VoxelBlock& b, const VoxelBlock& merged, in
     EXPECT_NEAR(
         r.position[axis],
         (weight * p.position[axis] + other * q.position[axis]) / (weight + other), 1.0);
-  std::vector<float> logs(a.measured.begin() + i * classes,
-                          a.measured.begin() + (i + 1) * classes);
-  fuseLogLikelihood(b.measured.data() + j * classes, classes, std::log(1e4f),
-                    logs.data());
+  if (p.label_observations == 0 || q.label_observations == 0) { // nothing to weigh
+    EXPECT_EQ(r.label_deviation, p.label_observations > 0   ? p.label_deviation
+                                 : q.label_observations > 0 ? q.label_deviation
+                                                            : 0);
+    return;
+  }
+  const std::uint16_t best = std::min(p.label_deviation, q.label_deviation);
+  EXPECT_EQ(r.label_deviation, best);
+  const auto weighted = [&](const VoxelBlock& block, int record,
+                            const VoxelRecord& of) {
+    std::vector<float> logs(block.measured.begin() + record * classes,
+                            block.measured.begin() + (record + 1) * classes);
+    const double ratio =
+        of.label_deviation > 0 ? double(best) / of.label_deviation : 1.0;
+    for (float& log : logs)
+      log *= float(std::max(0.02, ratio * ratio));
+    return logs;
+  };
+  std::vector<float> logs = weighted(a, i, p);
+  fuseLogLikelihood(weighted(b, j, q).data(), classes, std::log(1e4f), logs.data());
   for (int k = 0; k < classes; ++k) {
     EXPECT_NEAR(merged.measured[std::size_t(m * classes + k)], logs[std::size_t(k)],
                 2e-6);

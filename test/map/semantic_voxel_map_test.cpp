@@ -75,6 +75,70 @@ TEST(SemanticVoxelMap, LabelsAddedLaterAreThoseOfTheScan)
   EXPECT_TRUE(voxels.measured.matrix().isApprox(expected.measured.matrix(), 1e-5f));
 }
 
+TEST(SemanticVoxelMap, LabelsAddedLaterHaveTheSameWeights)
+{
+  const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});
+  SemanticVoxelMap at_once(label_set, smallWindow()), later(label_set, smallWindow());
+  at_once.setDepthError(0.02);
+  later.setDepthError(0.02);
+  for (int i = 0; i < 3; ++i) {
+    const LabelledScan scan = makeRandomScan(3000, 5.0f, 2, unsigned(i));
+    const Eigen::Isometry3d pose = poseAt(0.3 * i, 0.1, 0.0, 0.2 * i);
+    at_once.integrate(scan.cloud, pose, scan.distributions);
+    later.integrate(scan.cloud, pose);
+    later.addLabels(scan.cloud, pose, scan.distributions);
+  }
+  const VoxelCloud expected = at_once.occupied(), voxels = later.occupied();
+  ASSERT_EQ(voxels.size(), expected.size());
+  EXPECT_TRUE(voxels.measured.matrix().isApprox(expected.measured.matrix(), 1e-5f));
+}
+
+TEST(SemanticVoxelMap, LabelsWeighByThePrecisionOfTheirDepthsAsInAPlainMap)
+{
+  const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});
+  SemanticVoxelMap::Parameters parameters = smallWindow();
+  parameters.window = {24.0, 24.0, 24.0};
+  constexpr double depth_error = 0.02; // [1/m]
+  SemanticVoxelMap map(label_set, parameters), even(label_set, parameters);
+  PlainMap plain(label_set, parameters);
+  map.setDepthError(depth_error);
+  for (int i = 0; i < 6; ++i) {
+    const LabelledScan scan = makeRandomScan(2000, 3.0f, 2, unsigned(i));
+    const Eigen::Isometry3d pose = poseAt(0.5 * i, -0.05 * i, 0.02 * i, 0.3 * i);
+    map.integrate(scan.cloud, pose, scan.distributions);
+    even.integrate(scan.cloud, pose, scan.distributions);
+    plain.integrate(scan, pose, depth_error);
+  }
+  const VoxelCloud voxels = map.occupied();
+  expectEqual(voxels, plain.occupied());
+  EXPECT_FALSE(
+      voxels.measured.matrix().isApprox(even.occupied().measured.matrix(), 0.01f));
+}
+
+// A far look and a near one disagree.
+TEST(SemanticVoxelMap, TheNearLookDecidesWhetherItComesFirstOrLast)
+{
+  const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});
+  pcl::PointCloud<pcl::PointXYZ> far, near;
+  far.push_back({4.6f, 0.1f, 0.1f});
+  near.push_back({1.6f, 0.1f, 0.1f});
+  LabelDistributions house(2, 1), road(2, 1);
+  house.setLabel(0, 1, 0.9f);
+  road.setLabel(0, 2, 0.7f);
+  const Eigen::Isometry3d from_far = poseAt(0, 0, 0), from_near = poseAt(3.0, 0, 0);
+  for (const bool is_near_first : {true, false}) {
+    SemanticVoxelMap map(label_set, smallWindow());
+    map.setDepthError(0.01);
+    for (const bool is_near : {is_near_first, !is_near_first})
+      map.integrate(is_near ? near : far, is_near ? from_near : from_far,
+                    is_near ? road : house);
+    EXPECT_EQ(map.labels({{4.6, 0.1, 0.1}})[0], 2) << is_near_first;
+    map.setDepthError(0.0); // exact: also the first look of this kind counts most
+    map.integrate(far, from_far, house);
+    EXPECT_EQ(map.labels({{4.6, 0.1, 0.1}})[0], 1);
+  }
+}
+
 TEST(SemanticVoxelMap, PointsAtTheSensorAreNoReturns)
 {
   const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});

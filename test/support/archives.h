@@ -39,6 +39,7 @@ makeRandomBlock(std::size_t records, int classes, unsigned seed)
     values.label_observations = values.observations / 2;
     for (std::uint16_t& coordinate : values.position)
       coordinate = std::uint16_t(random());
+    values.label_deviation = std::uint16_t(random() % 3 * 1000);
     for (int k = 0; k < classes; ++k) {
       block.measured[std::size_t(record * classes + k)] =
           k == record % classes ? 0.0f : log_value(random);
@@ -71,7 +72,8 @@ areSameBlocks(const VoxelBlock& a, const VoxelBlock& b, int classes)
     if (p.colour_sum != q.colour_sum || p.colour_count != q.colour_count ||
         p.observations != q.observations ||
         p.label_observations != q.label_observations || p.position != q.position ||
-        !same(a.measured, i, b.measured, j) || !same(a.refined, i, b.refined, j))
+        p.label_deviation != q.label_deviation || !same(a.measured, i, b.measured, j) ||
+        !same(a.refined, i, b.refined, j))
       return false;
   }
   return true;

@@ -28,8 +28,10 @@ public:
       : label_set_(label_set), parameters_(parameters), update_(parameters.fusion)
   {}
 
+  // \param[in] depth_error see SemanticVoxelMap::setDepthError()
   void
-  integrate(const LabelledScan& scan, const Eigen::Isometry3d& pose)
+  integrate(const LabelledScan& scan, const Eigen::Isometry3d& pose,
+            double depth_error = 0.0)
   {
     std::set<Key> crossed;
     std::map<Key, std::vector<std::size_t>> hits;
@@ -64,7 +66,7 @@ public:
         update_.miss(log_odds);
     }
     for (const auto& [key, points] : hits) {
-      fuse(key, points, scan);
+      fuse(key, points, scan, depth_error);
       fusePosition(key, points, scan, pose);
     }
   }
@@ -161,28 +163,53 @@ private:
 
   // Labels, eq. (1): the mean log-likelihood of the pixels is added to the fused
   // log-probabilities, whose maximum is then shifted to 0.
+  // Deviations are stored in units of 2^-12 voxel.
+  static double
+  stored(double deviation)
+  {
+    return deviation > 0.0 ? std::max(1.0, std::round(4096.0 * deviation)) : 0.0;
+  }
+
+  // The weights of two scans are inverse to the variances of their depths; the scan
+  // with the smallest variance has the weight 1.
   void
-  fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan)
+  fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan,
+       double depth_error)
   {
     const int classes = label_set_.size();
     auto& fused = fused_.try_emplace(key, classes, 0.0f).first->second;
     std::vector<double> sums(classes, 0.0);
     int count = 0;
+    double deviation = HUGE_VAL;
     for (const std::size_t i : points) {
       const float* const p = scan.distributions.column(Eigen::Index(i));
       if (mapLabel(p, classes) == kUnlabelled)
         continue;
       ++count;
+      const double distance = double(scan.cloud[i].getVector3fMap().norm());
+      deviation = std::min(deviation, stored(depth_error * distance * distance /
+                                             parameters_.voxel_size));
       for (int k = 0; k < classes; ++k)
         sums[k] +=
             std::log(std::max(double(p[k]), parameters_.fusion.label_min_probability));
     }
     if (count == 0)
       return;
-    labelled_.insert(key);
+    const auto weightOf = [](double best, double other) {
+      return other > 0.0 ? std::max(0.02, best * best / (other * other)) : 1.0;
+    };
+    double weight = 1.0;
+    if (!labelled_.insert(key).second) {
+      const double best = best_deviation_[key];
+      weight = weightOf(std::min(best, deviation), deviation);
+      for (float& log : fused)
+        log *= float(weightOf(std::min(best, deviation), best));
+      deviation = std::min(best, deviation);
+    }
+    best_deviation_[key] = deviation;
     std::vector<float> mean(classes);
     for (int k = 0; k < classes; ++k)
-      mean[k] = float(sums[k] / count);
+      mean[k] = float(weight * sums[k] / count);
     fuseLogLikelihood(mean.data(), classes,
                       float(std::log(parameters_.fusion.label_max_ratio)),
                       fused.data());
@@ -215,6 +242,7 @@ private:
   OccupancyUpdate update_;
   std::map<Key, StoredLogOdds> log_odds_;
   std::map<Key, std::vector<float>> fused_;
+  std::map<Key, double> best_deviation_; // of the labels, see stored()
   std::set<Key> labelled_;
   std::map<Key, Position> positions_;
 };

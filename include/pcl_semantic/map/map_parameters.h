@@ -42,6 +42,10 @@ struct FusionParameters {
   /// an object may have arrived. Only with an ObjectTracker, which finds out where it
   /// was: without one, moving objects leave longer trails.
   bool occupy_dynamic = false;
+  /// Weighs the labels of each scan by the precision of its depths, relative to the
+  /// best look at the voxel: a near look counts more than a far one. Only for scans
+  /// with a depth error, see SemanticVoxelMap::setDepthError().
+  bool weigh_labels = true;
   double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
 
   /** \throws InvalidParameterException that names the parameter and its range */

@@ -43,6 +43,9 @@ struct VoxelRecord {
   std::uint32_t label_observations = 0;      ///< of these scans, those with labels
   /// Mean position of the hits in the voxel, from its lower corner [2^-16 voxel].
   std::array<std::uint16_t, 3> position{kVoxelCentre, kVoxelCentre, kVoxelCentre};
+  /// Smallest standard deviation of a depth with a label [2^-12 voxel]; 0 = exact. The
+  /// weights of all labels are relative to it.
+  std::uint16_t label_deviation = 0;
 };
 
 /** \brief 8 x 8 x 8 voxels: occupancy for all, records only for those that were hit, so
