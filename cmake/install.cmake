@@ -36,7 +36,8 @@ pcl_semantic_description(pcl_semantic_core "eigen3 pcl_common" -lpcl_semantic_co
 pcl_semantic_description(pcl_semantic_crf pcl_semantic_core
   "-lpcl_semantic_crf -lpcl_filters")
 pcl_semantic_description(pcl_semantic_map pcl_semantic_core -lpcl_semantic_map)
-pcl_semantic_description(pcl_semantic_io pcl_semantic_map -lpcl_semantic_io)
+pcl_semantic_description(pcl_semantic_io "pcl_semantic_map pcl_semantic_crf"
+  -lpcl_semantic_io)
 # Of OpenCV the headers and one library: opencv4.pc would link all sixty.
 pcl_semantic_description(pcl_semantic_vision "pcl_semantic_crf pcl_semantic_io"
   "-lpcl_semantic_vision -lopencv_core" opencv4)

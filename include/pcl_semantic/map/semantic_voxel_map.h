@@ -165,8 +165,9 @@ public:
   /** \brief Sets the error of the distances in the next scans: their standard deviation
    * divided by the squared distance [1/m], 0 (the default) for exact distances. For
    * stereo it is the deviation of a disparity divided by focal length and baseline.
-   * Rays have to end farther behind a voxel of a dynamic class to free it. \throws
-   * InvalidParameterException unless finite and not negative */
+   * Rays have to end farther behind a voxel of a dynamic class to free it, and labels
+   * are weighted (FusionParameters::weigh_labels).
+   * \throws InvalidParameterException unless finite and not negative */
   void setDepthError(double error);
 
   /** \brief Sets the number of threads of integrate() and of the queries.
