@@ -87,6 +87,8 @@ headerOf(const std::vector<Described>& archives,
     header.parameters.window = header.parameters.window.cwiseMax(parameters.window);
     header.parameters.max_range =
         std::max(header.parameters.max_range, parameters.max_range);
+    // Labels without a weight have no deviations.
+    header.parameters.fusion.weigh_labels &= parameters.fusion.weigh_labels;
   }
   header.configuration = describeMerge(inputs);
   for (const std::string_view line : splitAt('\n', first.header.configuration))

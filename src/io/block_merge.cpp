@@ -65,7 +65,7 @@ bestDeviation(const std::vector<Source>& sources)
 }
 
 VoxelRecord
-mergeRecords(const std::vector<Source>& sources)
+mergeRecords(const std::vector<Source>& sources, bool weigh_labels)
 {
   std::uint64_t colour[3] = {}, position[3] = {};
   std::uint64_t weight = 0, colours = 0, observations = 0, labels = 0;
@@ -91,7 +91,7 @@ mergeRecords(const std::vector<Source>& sources)
                      saturate(labels)};
   for (std::size_t axis = 0; axis < 3; ++axis)
     merged.position[axis] = std::uint16_t(position[axis] / weight);
-  merged.label_deviation = deviation;
+  merged.label_deviation = weigh_labels ? deviation : std::uint16_t(0);
   return merged;
 }
 
@@ -99,13 +99,15 @@ mergeRecords(const std::vector<Source>& sources)
 // VoxelMeasurement::fuseLabels() does. The sums are stored relative to the largest sum
 // and clamped at -log_ratio.
 void
-mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
-              float* merged)
+mergeMeasured(const std::vector<Source>& sources, int classes,
+              const FusionParameters& fusion, float* merged)
 {
+  const double log_ratio = std::log(fusion.label_max_ratio);
   std::array<std::int64_t, 256> sums{};
   const std::uint16_t best = bestDeviation(sources);
   for (const Source& source : sources) {
-    const double weight = labelWeight(best, source.record->label_deviation);
+    const double weight =
+        fusion.weigh_labels ? labelWeight(best, source.record->label_deviation) : 1.0;
     for (std::size_t k = 0; k < std::size_t(classes); ++k) {
       const double log = std::clamp(double(source.measured[k]), -log_ratio, 0.0);
       sums[k] += std::llround(weight * log * kLogScale);
@@ -122,7 +124,7 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
 {
   const auto count = static_cast<std::size_t>(classes);
   const auto record = static_cast<std::size_t>(merged.makeRecord(offset, classes));
-  merged.records[record] = mergeRecords(sources);
+  merged.records[record] = mergeRecords(sources, fusion.weigh_labels);
   float* const measured = merged.measured.data() + record * count;
   std::vector<Source> labelled;
   for (const Source& source : sources)
@@ -131,7 +133,7 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
   if (labelled.size() == 1) // an exact copy: the sum would be rounded
     std::copy_n(labelled[0].measured, count, measured);
   else if (labelled.size() > 1)
-    mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
+    mergeMeasured(labelled, classes, fusion, measured);
   if (keeps_refined)
     std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
 }

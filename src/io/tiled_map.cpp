@@ -138,11 +138,14 @@ TiledMap::faults(const BlockProgress& progress) const
     catch (const BadInputException& error) {
       faults.push_back(error.what());
     }
-  if (const std::string objects = tiledObjectsPath(path_); isThere(objects))
-    for (const std::string& fault : verifyArchive(objects))
-      faults.push_back(fault);
+  const std::string archive = tiledObjectsPath(path_);
+  if (!isThere(archive))
+    return faults;
+  const std::vector<std::string> own = verifyArchive(archive);
+  faults.insert(faults.end(), own.begin(), own.end());
   try {
-    objects();
+    if (own.empty())
+      objects();
   }
   catch (const BadInputException& error) {
     faults.push_back(error.what());

@@ -99,7 +99,7 @@ struct ObjectTracker::State {
                    const Window& window);
   void take(Component& component, const VoxelCloud& voxels, const Window& window,
             const VoxelMapOf<Number>& predicted);
-  void update(const VoxelCloud& voxels, const Window& window);
+  void update(const VoxelCloud& voxels, const Window& window, bool again);
   bool hasSeen(const Track& track) const;
   MapObject objectOf(const Track& track) const;
   MapObjects common() const;
@@ -340,7 +340,7 @@ ObjectTracker::State::judgeMotion(Track& track, const Component& component,
                                   double voxel_size, const Window& window)
 {
   if (!label_set[track.label].dynamic || component.seen.voxels.empty() ||
-      track.sightings.empty() || hasSeen(track))
+      track.sightings.empty() || has_new_labels)
     return;
   const ObjectSighting& before = track.sightings.front();
   std::size_t inside = 0, gone = 0;
@@ -386,7 +386,7 @@ ObjectTracker::State::take(Component& component, const VoxelCloud& voxels,
   for (const pcl::index_t index : component.indices) {
     const VoxelIndex& voxel = voxels.indices[std::size_t(index)];
     const std::uint32_t observations = voxels.observations[std::size_t(index)];
-    if (track.summary.moving) {
+    if (track.summary.moving && !has_new_labels) {
       const auto cell = cells.find(voxel);
       const bool is_seen =
           cell == cells.end() || cell->second.observations != observations;
@@ -419,22 +419,20 @@ ObjectTracker::update(const VoxelCloud& voxels, const Window& window,
                       const FrameTime& frame)
 {
   state_->frame = frame;
-  state_->update(voxels, window);
+  state_->update(voxels, window, false);
 }
 
 void
 ObjectTracker::updateLabels(const VoxelCloud& voxels, const Window& window)
 {
-  State& state = *state_;
-  state.has_new_labels = true;
-  state.frames = std::max(0, state.frames - 1); // the last frame again
-  state.update(voxels, window);
-  state.has_new_labels = false;
+  state_->frames = std::max(0, state_->frames - 1); // the last frame
+  state_->update(voxels, window, true);
 }
 
 void
-ObjectTracker::State::update(const VoxelCloud& voxels, const Window& window)
+ObjectTracker::State::update(const VoxelCloud& voxels, const Window& window, bool again)
 {
+  has_new_labels = again;
   left.clear();
   const VoxelMapOf<Number> predicted = predictions(voxels.voxel_size);
   std::vector<Component> found;

@@ -116,6 +116,40 @@ expectSum(const VoxelBlock& a, const VoxelBlock& b, const VoxelBlock& merged, in
 
 } // namespace
 
+// Maps of one voxel: a near look at a car, and a far look at a road.
+TEST(ArchiveMerge, LabelsAreWeightedUnlessAMapHasNoWeights)
+{
+  const TemporaryFolder folder;
+  const auto blockOf = [](std::uint16_t deviation, float road, float car) {
+    VoxelBlock block;
+    const auto record = std::size_t(block.makeRecord(0, 3));
+    block.log_odds[0] = 4000;
+    block.records[record].observations = block.records[record].label_observations = 1;
+    block.records[record].label_deviation = deviation;
+    block.measured = {road, car, -3.0f};
+    return block;
+  };
+  const Blocks near = {{{0, 0, 0}, blockOf(1000, -1.0f, 0.0f)}},
+               far = {{{0, 0, 0}, blockOf(2000, 0.0f, -2.0f)}};
+  for (const bool is_weighted : {true, false}) {
+    const std::string name = is_weighted ? "w" : "e";
+    ArchiveHeader header = makeArchiveHeader();
+    writeMap(folder.path(name + "near"), near, header);
+    header.parameters.fusion.weigh_labels = is_weighted;
+    writeMap(folder.path(name + "far"), far, header);
+    mergeArchives(placed({folder.path(name + "near"), folder.path(name + "far")}),
+                  folder.path(name));
+    const MapArchive merged(folder.path(name), ArchiveAccess::read);
+    EXPECT_EQ(merged.header().parameters.fusion.weigh_labels, is_weighted);
+    const auto block = merged.get(VoxelIndex(0, 0, 0));
+    ASSERT_TRUE(block);
+    // -1 and -2 / 4; or -1 and -2
+    EXPECT_NEAR(block->measured[0] - block->measured[1], is_weighted ? -0.5f : 1.0f,
+                1e-6f);
+    EXPECT_EQ(block->records[0].label_deviation, is_weighted ? 1000 : 0);
+  }
+}
+
 TEST(ArchiveMerge, AddsWhatBothKnowAndKeepsWhatOneKnows)
 {
   const TemporaryFolder folder;

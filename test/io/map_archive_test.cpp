@@ -6,6 +6,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <cmath>
 #include <thread>
@@ -370,6 +371,25 @@ TEST(MapArchive, VerifyingFindsThatTheLogLacksCommits)
     EXPECT_TRUE(holds(faults[0], copy + "-wal lacks " +
                                      std::to_string(ends.size() - commit) + " commit"));
   }
+}
+
+// Older programs would take its new blocks for damaged ones.
+TEST(MapArchive, AnOlderVersionThatIsWrittenBecomesTheNewest)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  fs::copy_file(PCL_SEMANTIC_SOURCE_DIR "/test/io/archive_version_2.map", path);
+  const auto versionOf = [&] { // a big-endian number in SQLite's header
+    return readBytes(path).at(63);
+  };
+  ASSERT_EQ(versionOf(), 2);
+  MapArchive(path, ArchiveAccess::read).objects();
+  EXPECT_EQ(versionOf(), 2);
+  MapArchive archive(path, ArchiveAccess::write);
+  archive.commit(archive.state());
+  archive.close();
+  EXPECT_EQ(versionOf(), 3);
+  EXPECT_TRUE(verifyArchive(path).empty());
 }
 
 } // namespace pcl_semantic

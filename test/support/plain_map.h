@@ -161,8 +161,6 @@ private:
         .cast<std::int64_t>();
   }
 
-  // Labels, eq. (1): the mean log-likelihood of the pixels is added to the fused
-  // log-probabilities, whose maximum is then shifted to 0.
   // Deviations are stored in units of 2^-12 voxel.
   static double
   stored(double deviation)
@@ -170,6 +168,8 @@ private:
     return deviation > 0.0 ? std::max(1.0, std::round(4096.0 * deviation)) : 0.0;
   }
 
+  // Labels, eq. (1): the mean log-likelihood of the pixels is added to the fused
+  // log-probabilities, whose maximum is then shifted to 0.
   // The weights of two scans are inverse to the variances of their depths; the scan
   // with the smallest variance has the weight 1.
   void
