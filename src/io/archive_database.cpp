@@ -189,7 +189,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
                                   "has finished");
     database_.run("PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 67108864; "
                   "BEGIN IMMEDIATE");
-    // What is written now is not for older programs.
+    // Older programs cannot read new blocks.
     if (database_.number("PRAGMA user_version") != kVersion)
       database_.run("PRAGMA user_version = " + std::to_string(kVersion));
   }
