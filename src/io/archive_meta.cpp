@@ -8,6 +8,13 @@
 
 namespace pcl_semantic {
 
+void
+requireEnd(const ByteReader& reader)
+{
+  if (reader.left() > 0)
+    badInput("has ", reader.left(), " bytes behind its end");
+}
+
 namespace {
 
 using NamedValues = std::map<std::string, double*>;
@@ -28,13 +35,6 @@ valuesOf(MapParameters& parameters)
           {"occupied_probability", &fusion.occupied_probability},
           {"label_min_probability", &fusion.label_min_probability},
           {"label_max_ratio", &fusion.label_max_ratio}};
-}
-
-void
-requireEnd(const ByteReader& reader)
-{
-  if (reader.left() > 0)
-    badInput("has ", reader.left(), " bytes behind its end");
 }
 
 // An invalid value here is an error of the file, not of the caller.

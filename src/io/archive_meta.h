@@ -73,6 +73,9 @@ private:
   std::uint64_t key_sum_ = 0;
 };
 
+/** \brief Requires that a value was read to its end. \throws BadInputException */
+void requireEnd(const ByteReader& reader);
+
 /** \brief Reads the header of a map. \throws BadInputException */
 ArchiveHeader readHeader(ArchiveDatabase& database);
 

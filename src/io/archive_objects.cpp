@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_objects.h"
 
+#include "archive_meta.h"
 #include "core/fail.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -42,7 +42,7 @@ put(const std::vector<VoxelIndex>& voxels, ByteWriter& writer)
 double
 finite(double value)
 {
-  if (!(std::abs(value) < std::numeric_limits<double>::infinity()))
+  if (!std::isfinite(value))
     badInput("has a number that is not finite");
   return value;
 }
@@ -159,8 +159,7 @@ decodeObjectList(const Bytes& bytes)
         list.numbers[i] > list.common.last_number)
       badInput("has object ", list.numbers[i], ", expected ascending numbers up to ",
                list.common.last_number);
-  if (reader.left() > 0)
-    badInput("has ", reader.left(), " bytes behind its end");
+  requireEnd(reader);
   return list;
 }
 
@@ -206,8 +205,7 @@ decodeObject(const Bytes& bytes)
     object.last_moved = last_moved;
   for (auto left = reader.get<std::uint32_t>(); left > 0; --left)
     object.sightings.push_back(getSighting(reader));
-  if (reader.left() > 0)
-    badInput("has ", reader.left(), " bytes behind its end");
+  requireEnd(reader);
   return object;
 }
 

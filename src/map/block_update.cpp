@@ -29,8 +29,7 @@ BlockUpdate::BlockUpdate(const LabelSet& label_set, const MapParameters& paramet
       dynamic_(classesWith(&LabelClass::dynamic, label_set)),
       occupies_dynamic_(parameters.fusion.occupy_dynamic),
       occupancy_(parameters.fusion), per_ray_(parameters.fusion.per_ray_counting),
-      voxel_size_(parameters.voxel_size),
-      label_error_(parameters.fusion.weigh_labels ? scan.depth_error : 0.0),
+      voxel_size_(parameters.voxel_size), label_deviations_(parameters, scan),
       scan_(scan), measurement_(classes_, parameters.fusion)
 {}
 
@@ -122,9 +121,8 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
     if (!scan_.rgb.empty())
       measurement_.addColour(scan_.rgb[point]);
     if (scan_.distributions)
-      measurement_.addDistribution(
-          scan_.distributions->column(Eigen::Index(point)),
-          storedDeviation(label_error_, scan_.points[point], voxel_size_));
+      measurement_.addDistribution(scan_.distributions->column(Eigen::Index(point)),
+                                   label_deviations_.of(point));
   }
   const int record = block.makeRecord(offset, classes_);
   const bool labelled = measurement_.fuseInto(

@@ -42,7 +42,7 @@ private:
   const OccupancyUpdate occupancy_;
   const bool per_ray_;
   const double voxel_size_;
-  const double label_error_; // depth error of the labels; 0 = not weighted
+  const LabelDeviations label_deviations_;
   const Scan& scan_;
   VoxelMeasurement measurement_;
   std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // one bit per voxel

@@ -233,16 +233,14 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
   std::sort(ends.begin(), ends.end(),
             [&](const End& a, const End& b) { return voxelOfEnd(a) < voxelOfEnd(b); });
   VoxelMeasurement measurement(label_set.size(), parameters.fusion);
-  const double label_error = parameters.fusion.weigh_labels ? depth_error : 0.0;
+  const LabelDeviations deviations(parameters, scan);
   std::size_t voxels = 0;
   for (std::size_t first = 0, last = 0; first < ends.size(); first = last, ++voxels) {
     measurement.clear();
     for (; last < ends.size() && voxelOfEnd(ends[last]) == voxelOfEnd(ends[first]);
          ++last)
       measurement.addDistribution(scan.distributions->column(ends[last].point),
-                                  storedDeviation(label_error,
-                                                  scan.points[ends[last].point],
-                                                  parameters.voxel_size));
+                                  deviations.of(ends[last].point));
     VoxelBlock& block = *grid.at(ends[first].slot);
     const auto record = std::size_t(block.recordAt(ends[first].offset));
     const auto row = std::ptrdiff_t(record) * label_set.size();
@@ -378,7 +376,9 @@ SemanticVoxelMap::addScanLabels(const Scan& scan,
   requireRigid(T_world_sensor, "the pose of the sensor");
   requireProbabilities(*scan.distributions);
   const auto writing = state_->lock.write();
-  return state_->addLabels(scan, T_world_sensor);
+  Scan measured = scan;
+  measured.depth_error = state_->depth_error;
+  return state_->addLabels(measured, T_world_sensor);
 }
 
 void

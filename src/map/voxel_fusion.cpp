@@ -80,15 +80,20 @@ hitWeight(double voxel_size, float deviation)
   return float(std::erf(voxel_size / (2.0 * std::sqrt(2.0) * double(deviation))));
 }
 
+LabelDeviations::LabelDeviations(const MapParameters& parameters, const Scan& scan)
+    : scan_(scan), error_(parameters.fusion.weigh_labels ? scan.depth_error : 0.0),
+      voxel_size_(parameters.voxel_size)
+{}
+
 std::uint16_t
-storedDeviation(double error, const Eigen::Vector3f& point, double voxel_size)
+LabelDeviations::of(std::size_t point) const
 {
-  if (!(error > 0.0))
+  if (!(error_ > 0.0))
     return 0;
   constexpr double unit = 4096.0, most = 65535.0;
-  const double squared_distance = point.cast<double>().squaredNorm();
-  return std::uint16_t(
-      std::clamp(std::round(error * squared_distance / voxel_size * unit), 1.0, most));
+  const double squared_distance = scan_.points[point].cast<double>().squaredNorm();
+  return std::uint16_t(std::clamp(
+      std::round(error_ * squared_distance / voxel_size_ * unit), 1.0, most));
 }
 
 double

@@ -3,9 +3,8 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/map_parameters.h>
+#include <pcl_semantic/map/scan.h>
 #include <pcl_semantic/map/semantic_voxel.h>
-
-#include <Eigen/Core>
 
 #include <array>
 #include <cstddef>
@@ -23,13 +22,19 @@ StoredLogOdds storedLogOdds(double probability);
  * \param[in] deviation standard deviation of its distance [m]; 0 = exact */
 float hitWeight(double voxel_size, float deviation);
 
-/** \brief Standard deviation of a stereo depth in the unit of
- * VoxelRecord::label_deviation, 1 to 65535; 0 for an exact one.
- * \param[in] error see Scan::depth_error [1/m]
- * \param[in] point in the sensor's frame [m]
- * \param[in] voxel_size [m] */
-std::uint16_t storedDeviation(double error, const Eigen::Vector3f& point,
-                              double voxel_size);
+/** \brief Standard deviations of the depths of a scan's labels, as
+ * VoxelRecord::label_deviation: 1 to 65535; 0 if they are exact or not weighted. */
+class LabelDeviations {
+public:
+  /** \param[in] scan must outlive the object */
+  LabelDeviations(const MapParameters& parameters, const Scan& scan);
+
+  std::uint16_t of(std::size_t point) const;
+
+private:
+  const Scan& scan_;
+  const double error_, voxel_size_; // error_ as Scan::depth_error
+};
 
 /** \brief Weight of labels relative to those of the best look at a voxel: the inverse
  * ratio of the variances of the depths, at least 0.02.
@@ -116,7 +121,7 @@ public:
   void addColour(std::uint32_t rgb);
 
   /** \param[in] distribution L probabilities; all zero (unlabelled) is ignored
-   * \param[in] deviation of the point's depth, see storedDeviation() */
+   * \param[in] deviation of the point's depth, see LabelDeviations */
   void addDistribution(const float* distribution, std::uint16_t deviation = 0);
 
   /** \brief Fuses the scan into a voxel: mean position and colour, labels by eq. (1).

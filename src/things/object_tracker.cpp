@@ -252,16 +252,11 @@ ObjectTracker::State::split(Component component, const VoxelCloud& voxels,
 void
 ObjectTracker::State::matchShared(std::vector<Component>& components)
 {
-  std::vector<std::tuple<std::size_t, Number, std::size_t>> pairs;
+  std::vector<std::tuple<std::ptrdiff_t, Number, std::size_t>> pairs;
   for (std::size_t c = 0; c < components.size(); ++c)
     for (const auto& [number, count] : components[c].shared)
-      pairs.emplace_back(count, number, c);
-  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
-    if (std::get<0>(a) != std::get<0>(b))
-      return std::get<0>(a) > std::get<0>(b);
-    return std::tie(std::get<1>(a), std::get<2>(a)) <
-           std::tie(std::get<1>(b), std::get<2>(b));
-  });
+      pairs.emplace_back(-std::ptrdiff_t(count), number, c); // most shared first
+  std::sort(pairs.begin(), pairs.end());
   std::set<Number> taken;
   for (const auto& [count, number, c] : pairs)
     if (!components[c].track && taken.count(number) == 0) {
