@@ -4,11 +4,11 @@
 #include "core/label_number.h"
 
 #include "map/block_reader.h"
+#include "object_merge.h"
 
 #include <algorithm>
 #include <functional>
 #include <optional>
-#include <set>
 #include <utility>
 
 namespace pcl_semantic {
@@ -91,46 +91,24 @@ readVoxels(const MapReader& archive, const VoxelSelection& selection)
   return selected;
 }
 
-namespace {
-
-// In the order z, y, x of the map.
-std::vector<VoxelIndex>
-blocksOf(const MapObjects& objects)
-{
-  std::set<VoxelIndex, VoxelIndexLess> blocks;
-  for (const MapObject& object : objects.objects)
-    for (const VoxelIndex& voxel : object.voxels)
-      blocks.insert(blockOf(voxel));
-  return {blocks.begin(), blocks.end()};
-}
-
-} // namespace
-
 std::vector<ObjectSummary>
 describeObjects(const MapReader& archive, const VoxelSelection& selection)
 {
-  std::optional<MapObjects> objects = archive.objects();
+  const std::optional<MapObjects> objects = archive.objects();
   if (!objects)
     return {};
-  const std::vector<VoxelIndex> blocks = blocksOf(*objects);
-  const ObjectLookup lookup(std::move(*objects));
+  const ObjectLookup lookup(*objects);
   const int classes = archive.header().label_set.size();
-  const BlockReader reader(classes, archive.header().parameters);
   VoxelCloud found; // the voxels of objects
   found.voxel_size = archive.header().parameters.voxel_size;
   found.origin = archive.state().cloud_origin;
   std::vector<float> probabilities; // of found
-  for (const VoxelIndex& index : blocks) {
-    const auto block = std::move(archive.get({index}).front());
-    if (!block)
-      continue;
-    VoxelCloud voxels =
-        reader.makeCloud(reader.countOccupied(*block), found.voxel_size, found.origin);
-    reader.read(index, *block, 0, voxels);
+  for (const MapObject& object : objects->objects) {
+    const VoxelCloud voxels = voxelsAround(archive, object);
     const std::vector<std::uint32_t> numbers = lookup.numbers(voxels);
     const std::vector<bool> is_selected = select(selection, voxels);
     for (std::size_t i = 0; i < voxels.size(); ++i) {
-      if (numbers[i] == 0 || !is_selected[i])
+      if (numbers[i] != object.number || !is_selected[i])
         continue;
       found.cloud->push_back((*voxels.cloud)[i]);
       found.indices.push_back(voxels.indices[i]);

@@ -95,17 +95,12 @@ private:
   std::map<std::size_t, std::size_t>
   match(const std::vector<MapObject>& objects) const
   {
-    std::vector<std::tuple<std::size_t, std::size_t, std::size_t>> pairs;
+    std::vector<std::tuple<std::ptrdiff_t, std::size_t, std::size_t>> pairs;
     for (std::size_t i = 0; i < objects.size(); ++i)
       if (!objects[i].summary.moving)
         for (const auto& [place, count] : sharedBy(objects[i]))
-          pairs.emplace_back(count, place, i);
-    std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
-      if (std::get<0>(a) != std::get<0>(b))
-        return std::get<0>(a) > std::get<0>(b);
-      return std::tie(std::get<1>(a), std::get<2>(a)) <
-             std::tie(std::get<1>(b), std::get<2>(b));
-    });
+          pairs.emplace_back(-std::ptrdiff_t(count), place, i); // most shared first
+    std::sort(pairs.begin(), pairs.end());
     std::map<std::size_t, std::size_t> partners;
     std::set<std::size_t> taken;
     for (const auto& [count, place, i] : pairs)
@@ -185,38 +180,31 @@ mergeObjects(const std::vector<PlacedObjects>& maps)
   return result;
 }
 
-namespace {
-
-// The labels of the occupied voxels in some blocks.
-std::unordered_map<VoxelIndex, Label, VoxelIndexHash>
-labelsIn(const MapReader& map, const std::vector<VoxelIndex>& blocks)
+VoxelCloud
+voxelsAround(const MapReader& map, const MapObject& object)
 {
-  const BlockReader reader(map.header().label_set.size(), map.header().parameters);
-  const auto read = map.get(blocks);
-  std::unordered_map<VoxelIndex, Label, VoxelIndexHash> labels;
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (int offset = 0; read[b] && offset < kBlockVoxels; ++offset)
-      if (reader.isOccupied(*read[b], offset))
-        labels[voxelAt(blocks[b], offset)] = reader.label(*read[b], offset);
-  return labels;
-}
-
-std::vector<VoxelIndex>
-blocksOf(const MapObject& object)
-{
-  std::set<VoxelIndex, VoxelIndexLess> blocks;
+  std::set<VoxelIndex, VoxelIndexLess> reached;
   for (const VoxelIndex& voxel : object.voxels)
-    blocks.insert(blockOf(voxel));
-  return {blocks.begin(), blocks.end()};
+    reached.insert(blockOf(voxel));
+  const std::vector<VoxelIndex> order(reached.begin(), reached.end());
+  const auto read = map.get(order);
+  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (read[i])
+      blocks.emplace_back(order[i], read[i].get());
+  const ArchiveHeader& header = map.header();
+  return BlockReader(header.label_set.size(), header.parameters)
+      .readAll(blocks, map.state().cloud_origin);
 }
-
-} // namespace
 
 void
 keepVisible(const MapReader& map, MapObjects& objects)
 {
   for (MapObject& object : objects.objects) {
-    const auto labels = labelsIn(map, blocksOf(object));
+    const VoxelCloud voxels = voxelsAround(map, object);
+    std::unordered_map<VoxelIndex, std::uint32_t, VoxelIndexHash> labels;
+    for (std::size_t i = 0; i < voxels.size(); ++i)
+      labels.emplace(voxels.indices[i], (*voxels.cloud)[i].label);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < object.voxels.size(); ++i) {
       const auto found = labels.find(object.voxels[i]);

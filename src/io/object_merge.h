@@ -25,6 +25,10 @@ struct PlacedObjects {
  * an object that keeps none is left out. The result cannot be tracked further. */
 MapObjects mergeObjects(const std::vector<PlacedObjects>& maps);
 
+/** \brief Reads the occupied voxels of the blocks that an object reaches.
+ * \throws BadInputException if the map is damaged */
+VoxelCloud voxelsAround(const MapReader& map, const MapObject& object);
+
 /** \brief Leaves out voxels that are not occupied with the label of their object, and
  * objects with fewer than MapObjects::min_voxels other ones. Numbers stay.
  * \throws BadInputException if the map is damaged */
