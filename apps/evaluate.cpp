@@ -2,6 +2,7 @@
 #include "cloud_doubts.h"
 #include "files/is_there.h"
 #include "image_tool.h"
+#include "label_kind.h"
 #include "messages.h"
 #include "panoptic_evaluation.h"
 #include "tool.h"
@@ -51,7 +52,9 @@ const Usage usage{
 same names and prints IoU, recall and precision in percent. Exclusive figures
 count only pixels that the prediction covers (is not 0). Inclusive figures count
 uncovered pixels as misses. Several folders, given in the same order, are
-evaluated as one. With --panoptic, compares the objects of scans instead.)",
+evaluated as one. The first line tells labels of the map at each frame (causal)
+and labels of the finished map (final) apart. With --panoptic, compares the
+objects of scans instead.)",
     R"(pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \
     --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation)",
     {{"prediction DIR", "predicted label images, or labels of scans"},
@@ -319,13 +322,14 @@ requireFittingOptions(const Options& options)
 }
 
 void
-report(const Options& options, const ConfusionMatrix& confusion,
+report(const Options& options, const LabelKind& kind, const ConfusionMatrix& confusion,
        const LabelSet& label_set, const std::vector<Label>& evaluated,
        const std::string& range)
 {
   const Scores scores = computeScores(confusion, evaluated);
+  const std::string json = jsonWithKind(kind, scoresJson(scores, label_set));
   if (!options.output.empty()) {
-    writeTextFile(options.output + "/metrics.json", scoresJson(scores, label_set));
+    writeTextFile(options.output + "/metrics.json", json);
     writeTextFile(options.output + "/confusion.csv",
                   confusionCsv(confusion, label_set));
   }
@@ -334,21 +338,23 @@ report(const Options& options, const ConfusionMatrix& confusion,
                                                          : options.row + ", " + range);
   if (!options.header && options.row.empty())
     printFigures((range.empty() ? "" : "\n" + range + "\n") +
-                     scoresTable(scores, label_set),
-                 scoresJson(scores, label_set));
+                     withKind(kind, scoresTable(scores, label_set)),
+                 json);
 }
 
 void
-evaluateSegments(const Options& options, const LabelSet& label_set,
-                 const PixelMapping& mapping, const std::vector<Label>& evaluated)
+evaluateSegments(const Options& options, const LabelKind& kind,
+                 const LabelSet& label_set, const PixelMapping& mapping,
+                 const std::vector<Label>& evaluated)
 {
   const PanopticQuality quality = compareSegments(
       {options.truths, options.predictions, options.covered_by, options.scans},
       label_set, mapping, evaluated);
-  const std::string json = panopticJson(quality, evaluated, label_set);
+  const std::string json =
+      jsonWithKind(kind, panopticJson(quality, evaluated, label_set));
   if (!options.output.empty())
     writeTextFile(options.output + "/panoptic.json", json);
-  printFigures(panopticTable(quality, evaluated, label_set), json);
+  printFigures(withKind(kind, panopticTable(quality, evaluated, label_set)), json);
 }
 
 int
@@ -364,8 +370,9 @@ evaluate(const Options& options)
   const std::vector<Label> evaluated = evaluatedClasses(options.ignore, label_set);
   if (!options.output.empty())
     makeOutputFolder(options.output);
+  const LabelKind kind = kindOf(options.predictions);
   if (options.panoptic) {
-    evaluateSegments(options, label_set, mapping, evaluated);
+    evaluateSegments(options, kind, label_set, mapping, evaluated);
     return exit_done;
   }
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
@@ -378,7 +385,7 @@ evaluate(const Options& options)
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)
-    report(options, total[i], label_set, evaluated,
+    report(options, kind, total[i], label_set, evaluated,
            ranges.empty() ? "" : ranges[i].text);
   return exit_done;
 }

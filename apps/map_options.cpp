@@ -158,8 +158,9 @@ outputsOf(MapOptions& options, ThingOptions& things, MapProgram program)
        "write the map, its trajectory and summary, but no images of the frames"},
       {"also", outputs.also,
        "additional outputs for evaluation, separated by commas: measured = labels "
-       "before the CRF, depth = depth images, probabilities = class probabilities at "
-       "the depth of each pixel, scans = class of each point in the laser scans or in "
+       "before the CRF, depth = depth images and the labels of the finished map at "
+       "these depths, probabilities = class probabilities at the depth of each pixel, "
+       "scans = class of each point in the laser scans or in "
        "--clouds"},
       {"scan-within", withDefault(outputs.scan_within),
        "maximum distance from a scan point to the voxel that gives its class [m]; 0 = "

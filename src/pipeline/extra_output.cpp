@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extra_output.h"
 
+#include "core/fail.h"
+#include "files/is_there.h"
+
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -14,6 +18,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -42,6 +47,8 @@ constexpr Folder folders[] = {
     {"near_scan_labels", need::scans | need::within},
     {"measured_near_scan_labels", need::scans | need::within | need::measured},
     {"final_measured_labels", need::camera | need::measured},
+    {"final_labels_at_depth", need::camera | need::depth},
+    {"final_measured_labels_at_depth", need::camera | need::depth | need::measured},
     {"final_scan_labels", need::scans},
     {"final_measured_scan_labels", need::scans | need::measured},
     {"final_near_scan_labels", need::scans | need::within},
@@ -66,6 +73,22 @@ depthOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
   return depth;
 }
 
+pcl::PointCloud<pcl::PointXYZRGB>
+cloudOf(const cv::Mat1f& depth, const StereoCamera& camera)
+{
+  pcl::PointCloud<pcl::PointXYZRGB> cloud(std::uint32_t(depth.cols),
+                                          std::uint32_t(depth.rows));
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      const float z = depth(v, u);
+      cloud(u, v).getVector3fMap() =
+          isMeasuredDepth(z)
+              ? Eigen::Vector3f(camera.unproject(u, v, double(z)).cast<float>())
+              : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+    }
+  return cloud;
+}
+
 } // namespace
 
 ExtraOutput::ExtraOutput(const std::string& folder,
@@ -78,6 +101,14 @@ ExtraOutput::ExtraOutput(const std::string& folder,
   for (const Folder& each : folders)
     if ((each.needs & ~met) == 0)
       makeOutputFolder((std::filesystem::path(folder_) / each.name).string());
+}
+
+void
+ExtraOutput::requireFrame(int frame) const
+{
+  if (const std::string depth = path("depth", frame, ".png");
+      options_.depth && !isThere(depth))
+    badInput(depth, ": is missing; resume with the --output of the interrupted run");
 }
 
 const std::vector<std::string>&
@@ -122,14 +153,15 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
   const int frame = mapped.frame.number;
   if (options_.depth)
     writeDepthImage(path("depth", frame, ".png"), depthOf(*mapped.cloud));
-  if (!needsLabels())
+  if (!options_.measured && !options_.probabilities && !options_.scan)
     return;
   const MapLabels labels(mapped.voxels);
   if (options_.measured && camera_) {
     writePng(path("measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
     writePng(path("measured_labels_at_depth", frame, ".png"),
-             labelsAt(indicesAtDepth(mapped, labels), labels.measured));
+             labelsAt(indicesAtDepth(*mapped.cloud, mapped.T_world_camera, labels),
+                      labels.measured));
   }
   if (options_.probabilities)
     writeProbabilities(mapped, labels);
@@ -147,6 +179,8 @@ ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
   if (options_.measured && camera_)
     writePng(path("final_measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
+  if (options_.depth)
+    writeFinalAtDepth(frame, T_world_camera, labels);
   if (options_.scan)
     writeScan(frame, options_.scan(frame), T_world_camera, labels, "final_");
 }
@@ -183,25 +217,40 @@ ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& indices,
 
 // Like labelsAtDepth(), for the map in its exported form.
 cv::Mat
-ExtraOutput::indicesAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
+ExtraOutput::indicesAtDepth(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                            const Eigen::Isometry3d& T_world_camera,
+                            const MapLabels& labels) const
 {
-  const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *mapped.cloud;
   cv::Mat indices(int(cloud.height), int(cloud.width), CV_32SC1,
                   cv::Scalar(VoxelLookup::none));
   auto* const index = indices.ptr<std::int32_t>();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].z <= max_depth_) // false for NaN
-      index[i] = labels.lookup.at(mapped.T_world_camera *
-                                  cloud[i].getVector3fMap().cast<double>());
+      index[i] =
+          labels.lookup.at(T_world_camera * cloud[i].getVector3fMap().cast<double>());
   return indices;
+}
+
+void
+ExtraOutput::writeFinalAtDepth(int frame, const Eigen::Isometry3d& T_world_camera,
+                               const MapLabels& labels) const
+{
+  const cv::Mat1f depth = readDepths(path("depth", frame, ".png"));
+  const cv::Mat indices =
+      indicesAtDepth(cloudOf(depth, *camera_), T_world_camera, labels);
+  writePng(path("final_labels_at_depth", frame, ".png"),
+           labelsAt(indices, labels.refined));
+  if (options_.measured)
+    writePng(path("final_measured_labels_at_depth", frame, ".png"),
+             labelsAt(indices, labels.measured));
 }
 
 void
 ExtraOutput::writeProbabilities(const MappedFrame& mapped,
                                 const MapLabels& labels) const
 {
-  const cv::Mat indices = indicesAtDepth(mapped, labels);
+  const cv::Mat indices = indicesAtDepth(*mapped.cloud, mapped.T_world_camera, labels);
   const LabelDistributions& refined = mapped.voxels.refined;
   LabelDistributions pixels(refined.classes(), Eigen::Index(indices.total()));
   for (Eigen::Index i = 0; i < pixels.size(); ++i)

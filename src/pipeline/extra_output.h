@@ -15,8 +15,11 @@ namespace pcl_semantic {
  * MappingOutput:
  *
  * `measured_labels`, `measured_labels_at_depth`, `final_measured_labels` are the images
- * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG),
- * `probabilities_at_depth` the class probabilities of labels_at_depth (.npy, float16).
+ * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG).
+ * `final_labels_at_depth` contains the labels of the finished map at the depths of
+ * these images, `final_measured_labels_at_depth` those without the CRF.
+ * `probabilities_at_depth` contains the class probabilities of labels_at_depth (.npy,
+ * float16).
  *
  * `scan_labels` (`.label`, 0 = no occupied voxel) contains the label of each scan
  * point's voxel in the map at that frame and, if objects are tracked, the number of its
@@ -32,6 +35,11 @@ public:
   ExtraOutput(const std::string& folder, const std::optional<StereoCamera>& camera,
               double max_depth, ExtraOptions options);
 
+  /** \brief Checks that files which are read at the end exist for a frame of a resumed
+   * run.
+   * \throws BadInputException if one is missing */
+  void requireFrame(int frame) const;
+
   /** \brief All folders that any run may write. */
   static const std::vector<std::string>& names();
 
@@ -44,15 +52,16 @@ public:
    * \throws BadInputException if its scan is missing or damaged */
   void writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const;
 
-  /** \brief Writes the files of a frame in the finished map. */
+  /** \brief Writes the files of a frame in the finished map.
+   * \throws BadInputException if its scan or depth image is missing or damaged */
   void writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
                   const MapLabels& labels, const RenderedLabels& rendered) const;
 
-  /** \brief Whether MapLabels are needed. */
+  /** \brief Whether writeFinal() needs MapLabels. */
   bool
-  needsLabels() const
+  needsFinalLabels() const
   {
-    return options_.measured || options_.probabilities || options_.scan;
+    return options_.measured || options_.depth || options_.scan;
   }
 
 private:
@@ -66,8 +75,14 @@ private:
                    const MapLabels& labels, const std::string& prefix,
                    const std::string& name) const;
 
-  // Voxels at the pixels' measured depths; VoxelLookup::none without depth.
-  cv::Mat indicesAtDepth(const MappedFrame& mapped, const MapLabels& labels) const;
+  // Voxels at the points of an organized cloud in the camera frame; VoxelLookup::none
+  // without depth.
+  cv::Mat indicesAtDepth(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                         const Eigen::Isometry3d& T_world_camera,
+                         const MapLabels& labels) const;
+
+  void writeFinalAtDepth(int frame, const Eigen::Isometry3d& T_world_camera,
+                         const MapLabels& labels) const;
 
   void writeProbabilities(const MappedFrame& mapped, const MapLabels& labels) const;
 

@@ -144,13 +144,15 @@ MappingOutput::requireImages() const
 {
   if (!has_images_)
     return;
-  for (const FrameRecord& frame : frames_)
+  for (const FrameRecord& frame : frames_) {
+    extra_->requireFrame(frame.number);
     for (const char* name : RunFolder::frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
       if (!isThere(image))
         badInput(image, ": is missing; resume with the --output of the interrupted "
                         "run, and with --map-only if that run had it");
     }
+  }
 }
 
 void
@@ -241,7 +243,7 @@ void
 MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
 {
   const VoxelCloud no_voxels;
-  const MapLabels labels(extra_->needsLabels() ? voxels : no_voxels);
+  const MapLabels labels(extra_->needsFinalLabels() ? voxels : no_voxels);
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     RenderedLabels rendered;

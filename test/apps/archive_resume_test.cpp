@@ -292,4 +292,14 @@ TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)
   EXPECT_FALSE(fs::exists(folder_.path("other")));
 }
 
+TEST_F(ArchivedRun, TheDepthsOfEarlierFramesHaveToBeThere)
+{
+  const std::string command =
+      mapCommand(folder_.path("depths"), folder_.path("depths.map"), "--also depth ");
+  succeed(command);
+  fs::remove(folder_.path("depths/depth/000001.png"));
+  expectFails(command + "--resume", 3,
+              "depth/000001.png: is missing; resume with the --output");
+}
+
 } // namespace pcl_semantic

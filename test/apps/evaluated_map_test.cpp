@@ -82,8 +82,25 @@ protected:
   static inline std::unique_ptr<TemporaryFolder> folder_;
 };
 
-// Labels of the points of a scan, voxel by voxel, as the finished map says: of the
+// The label of a point in the world, voxel by voxel, as the finished map says: of the
 // voxel that is nearest and within a distance of its cube.
+Label
+plainLabel(const Eigen::Vector3d& point, const MapFolder& map, double within)
+{
+  Label label = kUnlabelled;
+  double least = within + 1e-9;
+  for (std::size_t i = 0; i < map.voxels.size(); ++i) {
+    const Eigen::Array3d offset = point - map.voxels.centre(i).cast<double>();
+    const double distance =
+        (offset.abs() - 0.5 * map.voxels.voxel_size).max(0.0).matrix().norm();
+    if (distance < least) {
+      least = distance;
+      label = Label((*map.voxels.cloud)[i].label);
+    }
+  }
+  return label;
+}
+
 std::vector<Label>
 plainScanLabels(const std::string& street, const MapFolder& map, int frame,
                 double within)
@@ -94,21 +111,9 @@ plainScanLabels(const std::string& street, const MapFolder& map, int frame,
   const auto scan =
       readVelodyneScan(street + "/velodyne/" + frameFileName(frame, ".bin"));
   std::vector<Label> labels;
-  for (const pcl::PointXYZI& point : *scan) {
-    const Eigen::Vector3d p = T_world_velodyne * point.getVector3fMap().cast<double>();
-    Label label = kUnlabelled;
-    double least = within + 1e-9;
-    for (std::size_t i = 0; i < map.voxels.size(); ++i) {
-      const Eigen::Array3d offset = p - map.voxels.centre(i).cast<double>();
-      const double distance =
-          (offset.abs() - 0.5 * map.voxels.voxel_size).max(0.0).matrix().norm();
-      if (distance < least) {
-        least = distance;
-        label = Label((*map.voxels.cloud)[i].label);
-      }
-    }
-    labels.push_back(label);
-  }
+  for (const pcl::PointXYZI& point : *scan)
+    labels.push_back(plainLabel(
+        T_world_velodyne * point.getVector3fMap().cast<double>(), map, within));
   return labels;
 }
 
@@ -117,7 +122,7 @@ plainScanLabels(const std::string& street, const MapFolder& map, int frame,
 TEST_F(EvaluatedMap, MeasuredLabelsAreThoseOfAMapWithoutCrf)
 {
   mapStreet(street(), folder_->path("plain"),
-            "--no-things --crf none --also measured,scans --voxel-size 0.2");
+            "--no-things --crf none --also measured,depth,scans --voxel-size 0.2");
   const auto plain = [&](const std::string& name) {
     return folder_->path("plain/" + name);
   };
@@ -126,7 +131,8 @@ TEST_F(EvaluatedMap, MeasuredLabelsAreThoseOfAMapWithoutCrf)
     for (const auto& [measured, same] :
          {std::pair("measured_labels", "labels"),
           std::pair("measured_labels_at_depth", "labels_at_depth"),
-          std::pair("final_measured_labels", "final_labels")}) {
+          std::pair("final_measured_labels", "final_labels"),
+          std::pair("final_measured_labels_at_depth", "final_labels_at_depth")}) {
       const cv::Mat expected = imageOf(plain(same + frame + ".png"));
       EXPECT_TRUE(isSameImage(imageOf(map(measured + frame + ".png")), expected));
       EXPECT_TRUE(isSameImage(imageOf(plain(measured + frame + ".png")), expected));
@@ -203,6 +209,53 @@ TEST_F(EvaluatedMap, DepthIsThatOfTheStereoPair)
     }
   EXPECT_GT(all, depth.rows * depth.cols / 3);
   EXPECT_GT(near, all * 3 / 4);
+}
+
+TEST_F(EvaluatedMap, TheFinishedMapIsLookedUpAtTheDepths)
+{
+  const MapFolder finished = readMapFolder(folder_->path("map"));
+  const KittiSequence sequence(street());
+  const Eigen::Isometry3d T_world_camera =
+      finished.T_world_camera0[0] * sequence.T_camera0_camera();
+  const cv::Mat1f depth = readDepths(map("depth/000000.png"));
+  const cv::Mat1b labels = imageOf(map("final_labels_at_depth/000000.png"));
+  int looked_up = 0, different = 0;
+  for (int v = 0; v < depth.rows; v += 5)
+    for (int u = 0; u < depth.cols; u += 7) {
+      if (depth(v, u) == 0.0f) {
+        EXPECT_EQ(labels(v, u), 0);
+        continue;
+      }
+      const Eigen::Vector3d point =
+          T_world_camera * sequence.camera().unproject(u, v, double(depth(v, u)));
+      ++looked_up;
+      different += labels(v, u) != plainLabel(point, finished, 0.0);
+    }
+  EXPECT_GT(looked_up, 100);
+  EXPECT_LE(different, looked_up / 100); // of voxels' faces: poses are rounded
+
+  // The last frame sees the finished map; its depth image is rounded.
+  const cv::Mat1b causal = imageOf(map("labels_at_depth/000002.png"));
+  const cv::Mat1b same = imageOf(map("final_labels_at_depth/000002.png"));
+  EXPECT_LT(cv::countNonZero(causal != same), cv::countNonZero(causal) / 50);
+  EXPECT_GT(cv::countNonZero(imageOf(map("labels_at_depth/000000.png")) != labels), 0);
+}
+
+TEST_F(EvaluatedMap, EvaluationTellsCausalFromFinal)
+{
+  const auto evaluated = [&](const std::string& labels) {
+    return succeed("evaluate --truth " + street() + "/gt" + of_kitti11 +
+                   " --prediction " + map(labels));
+  };
+  EXPECT_EQ(evaluated("labels/").rfind("causal: ", 0), 0u);
+  EXPECT_EQ(evaluated("labels_at_depth").rfind("causal: ", 0), 0u);
+  EXPECT_EQ(evaluated("final_labels_at_depth").rfind("final: ", 0), 0u);
+  EXPECT_EQ(evaluated("network_labels --json").rfind("{\n  \"labels\": \"network\"", 0),
+            0u);
+  EXPECT_EQ(evaluated("../street/gt").rfind("class", 0), 0u); // of no map
+  EXPECT_TRUE(holds(evaluated("labels --truth " + street() + "/gt --prediction " +
+                              map("final_labels")),
+                    "warning: the predictions are not of one kind: "));
 }
 
 TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabels)

@@ -20,7 +20,8 @@ struct ExtraOptions {
   bool images = true;         ///< images of each frame, if it is from a camera
   bool centres = false;       ///< use voxel centres as points of the map
   bool measured = false;      ///< labels of the fused measurements, before the CRF
-  bool depth = false;         ///< measured depth of the pixels
+  bool depth = false;         ///< measured depth of the pixels, and the labels of the
+                              ///< finished map there
   bool probabilities = false; ///< class probabilities for the labels in labels_at_depth
   /// Points of a frame's scan to label, in the frame of the sensor of the poses [m];
   /// null = no scans. May throw BadInputException.
