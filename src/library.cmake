@@ -59,7 +59,7 @@ function(pcl_semantic_library name)
     list(FILTER readers INCLUDE REGEX
       "/(clouds|files|images|dataset|labelling|evaluation|io|pictures|pipeline)/")
     set_source_files_properties(${readers} TARGET_DIRECTORY ${library}
-      PROPERTIES COMPILE_OPTIONS -fsanitize=fuzzer-no-link)
+      PROPERTIES COMPILE_OPTIONS -fsanitize=fuzzer-no-link SKIP_PRECOMPILE_HEADERS ON)
   endif()
 
   install(TARGETS ${library} EXPORT pcl_semantic_targets

@@ -258,9 +258,9 @@ TEST(CameraFile, ThePairOfKittisRawDataHasItsSize)
 TEST(CameraFile, KittisObjectsHaveTheScannerInTwoParts)
 {
   const TemporaryFolder folder;
-  const std::string P = ": 721.5 0 609.5 0 0 721.5 172.8 0 0 0 1 0\n";
+  const std::string left = ": 721.5 0 609.5 0 0 721.5 172.8 0 0 0 1 0\n";
   const std::string path = folder.write(
-      "000000.txt", "P2" + P + "P3: 721.5 0 609.5 -380 0 721.5 172.8 0 0 0 1 0\n" +
+      "000000.txt", "P2" + left + "P3: 721.5 0 609.5 -380 0 721.5 172.8 0 0 0 1 0\n" +
                         "R0_rect: 0 -1 0 1 0 0 0 0 1\n"
                         "Tr_velo_to_cam: 1 0 0 2 0 1 0 3 0 0 1 4\n");
   const KittiCalibration calibration = readKittiCalibration(path, KittiCameras::colour);

@@ -119,7 +119,7 @@ TEST_F(MapInTiles, TheDigestOfAnArchiveIsThatOfItsContent)
   const auto archive = std::make_shared<MapArchive>(copy, ArchiveAccess::write);
   archive->forEachIndex([&](const VoxelIndex& index) { indices.push_back(index); });
   VoxelBlock block = *archive->get(indices.front());
-  block.log_odds[0] = block.log_odds[0] == 0.5F ? 0.25F : 0.5F;
+  block.log_odds[0] = block.log_odds[0] == 1 ? 2 : 1;
   archive->put(indices.front(), block);
   archive->commit(archive->state());
   archive->close();
