@@ -50,13 +50,14 @@ colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)"
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
     --output /tmp/raw_map && \
-  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \
-    --cliques cubes:1)",
+  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf-sensor stereo \
+    --crf hierarchical --cliques cubes:1)",
     {{"label-set FILE",
       "label set (.yaml), if labels do not show the number of classes"},
      {"label-mapping FILE", "mapping from numbers in IN to classes of the label set"},
      {"cliques WORD", "field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file"},
      {"crf dense", "CRF model: unary, dense, pn-potts or hierarchical"},
+     {"crf-sensor WORD", "sensor of the points: stereo, rgbd or lidar"},
      {"crf-iterations N", "number of mean-field updates"},
      {"smoothness-weight 3", "weight of the smoothness kernel"},
      {"appearance-weight 8", "weight of the appearance kernel"},
@@ -233,16 +234,23 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
          "change more");
   if (!(report.spacing > 0.0))
     return;
+  const double widest = report.extent > 0.0 ? report.extent : 50.0 * report.spacing;
   for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
-    if (deviation != 0.0 &&
-        (deviation < 0.5 * report.spacing || deviation > 50.0 * report.spacing)) {
+    if (deviation != 0.0 && (deviation < 0.5 * report.spacing || deviation > widest)) {
+      const SemanticCRFParameters defaults = SemanticCRFParameters().resolved(
+          report.spacing, input.has_colour, report.extent);
       TextStream text;
-      text << arguments.input << ": points lie " << report.spacing
-           << " apart (median of fourth neighbours), so a deviation of " << deviation
-           << " is too " << (deviation < report.spacing ? "small" : "large")
-           << "; is the cloud in metres? The default of --smoothness-deviation and "
-              "--appearance-deviation is "
-           << SemanticCRFParameters::automaticDeviation(report.spacing);
+      text << arguments.input << ": ";
+      if (deviation > widest && report.extent > 0.0)
+        text << "half of the points lie within " << report.extent << " of the middle";
+      else
+        text << "points lie " << report.spacing
+             << " apart (median of fourth neighbours)";
+      text << ", so a deviation of " << deviation << " is too "
+           << (deviation > widest ? "large" : "small")
+           << "; is the cloud in metres? The defaults of --smoothness-deviation and "
+              "--appearance-deviation are "
+           << defaults.smoothness_deviation << " and " << defaults.appearance_deviation;
       return warn(text.str());
     }
 }

@@ -74,6 +74,20 @@ medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
   return median;
 }
 
+// Median distance to the origin.
+double
+extentOf(const Eigen::MatrixXf& positions)
+{
+  std::vector<float> distances(std::size_t(positions.cols()));
+  for (Eigen::Index k = 0; k < positions.cols(); ++k)
+    distances[std::size_t(k)] = positions.col(k).norm();
+  if (distances.empty())
+    return 0.0;
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return double(*middle);
+}
+
 // Minimum per coordinate.
 VoxelIndex
 cornerOf(const std::vector<VoxelIndex>& voxels, const pcl::Indices& indices)
@@ -123,6 +137,8 @@ elementsOf(const CloudFields& fields, const pcl::Indices& indices,
   }
   elements.spacing =
       voxels.empty() ? double(pointSpacing(elements.positions)) : voxel_size;
+  if (voxels.empty())
+    elements.extent = extentOf(elements.positions);
   return elements;
 }
 

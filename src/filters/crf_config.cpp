@@ -34,8 +34,11 @@ cliqueParametersOf(SemanticCRFParameters& crf)
 ConfigParameters
 parametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
+  const bool is_cloud = unit == "m";
+  const std::string or_automatic = is_cloud ? "; 0 = by the sensor" : "";
   ConfigParameters parameters = {
-      {"crf_iterations", "number of mean-field updates", &crf.iterations},
+      {"crf_iterations", "number of mean-field updates" + or_automatic,
+       &crf.iterations},
       {"crf_temperature",
        "temperature of the resulting probabilities; above 1 they are less confident, "
        "labels do not change",
@@ -59,7 +62,7 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.smoothness_weight},
       {"smoothness_deviation",
        "standard deviation of positions in the smoothness kernel [" + unit +
-           "]; 0 = from the distance of the points",
+           "]; 0 = by the sensor and the distance of the points",
        &crf.smoothness_deviation},
       {"appearance_weight",
        "weight of the appearance kernel (positions and colours; only positions if "
@@ -67,11 +70,19 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.appearance_weight},
       {"appearance_deviation",
        "standard deviation of positions in the appearance kernel [" + unit +
-           "]; 0 = from the distance of the points",
+           "]; 0 = by the sensor and the distance of the points",
        &crf.appearance_deviation},
       {"colour_deviation",
-       "standard deviation of colours in the appearance kernel [grey levels]",
+       "standard deviation of colours in the appearance kernel [grey levels]" +
+           or_automatic,
        &crf.colour_deviation}};
+  if (is_cloud)
+    parameters.push_back(
+        {"crf_sensor",
+         "sensor of the points, for automatic updates and deviations: automatic (of "
+         "a map: its sensor; of a cloud: rgbd if it has colours, otherwise lidar), "
+         "stereo, rgbd or lidar",
+         chooseFrom(crf.sensor, {"automatic", "stereo", "rgbd", "lidar"})});
   append(parameters, cliqueParametersOf(crf));
   return parameters;
 }
@@ -80,6 +91,14 @@ void
 CRFConfig::validate() const
 {
   parameters.validate();
+  const auto requireValue = [this](const char* name, double value) {
+    if (unit != "m" && value == 0.0) // automatic values are for clouds
+      badParameter(name, " is 0, expected more than 0");
+  };
+  requireValue("crf_iterations", parameters.iterations);
+  requireValue("smoothness_deviation", parameters.smoothness_deviation);
+  requireValue("appearance_deviation", parameters.appearance_deviation);
+  requireValue("colour_deviation", parameters.colour_deviation);
   requireConfidence(label_confidence);
 }
 

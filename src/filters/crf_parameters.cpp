@@ -36,6 +36,12 @@ requireDeviationOrZero(const char* name, double value)
           "0 (automatic) or 1e-9 to 1e9");
 }
 
+double
+least(double value, double limit)
+{
+  return limit > 0.0 ? std::min(value, limit) : value;
+}
+
 } // namespace
 
 void
@@ -45,7 +51,7 @@ SemanticCRFParameters::validate() const
   requireDeviationOrZero("smoothness_deviation", smoothness_deviation);
   requireWeight("appearance_weight", appearance_weight);
   requireDeviationOrZero("appearance_deviation", appearance_deviation);
-  requireDeviation("colour_deviation", colour_deviation);
+  requireDeviationOrZero("colour_deviation", colour_deviation);
   require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");
   require(iterations >= 0, "iterations", iterations, "0 or more");
@@ -59,11 +65,29 @@ SemanticCRFParameters::validate() const
   requireDeviation("clique_colour_deviation", clique_colour_deviation);
 }
 
-double
-SemanticCRFParameters::automaticDeviation(double spacing)
+SemanticCRFParameters
+SemanticCRFParameters::resolved(double spacing, bool has_colours, double extent) const
 {
-  constexpr double usual = 0.2; // [m]
-  return spacing > 0.0 ? std::clamp(usual, 2.0 * spacing, 10.0 * spacing) : usual;
+  SemanticCRFParameters values = *this;
+  if (values.sensor == PointSensor::automatic)
+    values.sensor = has_colours ? PointSensor::rgbd : PointSensor::lidar;
+  const bool is_rgbd = values.sensor == PointSensor::rgbd;
+  double smoothness = 0.2, appearance = 0.2; // [m]
+  if (is_rgbd) {
+    smoothness = std::max(least(0.1, extent / 8.0), spacing);
+    appearance = std::max(least(0.2, extent / 4.0), 2.0 * spacing);
+  }
+  else if (spacing > 0.0)
+    smoothness = appearance = std::clamp(0.2, 2.0 * spacing, 10.0 * spacing);
+  const auto setIfAutomatic = [](auto& value, auto automatic) {
+    if (value == 0)
+      value = automatic;
+  };
+  setIfAutomatic(values.iterations, values.sensor == PointSensor::stereo ? 1 : 3);
+  setIfAutomatic(values.smoothness_deviation, smoothness);
+  setIfAutomatic(values.appearance_deviation, appearance);
+  setIfAutomatic(values.colour_deviation, is_rgbd ? 30.0 : 8.0);
+  return values;
 }
 
 SemanticCRFParameters

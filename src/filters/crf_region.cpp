@@ -91,16 +91,14 @@ voxelsIn(BlockMarks& marks, const std::vector<VoxelIndex>& voxels)
 double
 crfReach(const SemanticCRFParameters& parameters, double voxel_size)
 {
-  const double automatic = SemanticCRFParameters::automaticDeviation(voxel_size);
-  double deviation = 0.0;
-  for (const double given :
-       {parameters.smoothness_deviation, parameters.appearance_deviation})
-    deviation = std::max(deviation, given > 0.0 ? given : automatic);
+  const SemanticCRFParameters values = parameters.resolved(voxel_size, true);
+  const double deviation =
+      std::max(values.smoothness_deviation, values.appearance_deviation);
   const double radius =
-      parameters.kernel_method == KernelMethod::lattice ? 3.0 : parameters.radius;
+      values.kernel_method == KernelMethod::lattice ? 3.0 : values.radius;
   // One extra step, because messages are normalised by their senders' received
   // messages.
-  return (parameters.iterations + 1) * radius * deviation;
+  return (values.iterations + 1) * radius * deviation;
 }
 
 int

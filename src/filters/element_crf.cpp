@@ -121,6 +121,13 @@ requireMembers(const Cliques& cliques)
       badParameter("clique ", c, " is empty");
 }
 
+SemanticCRFParameters
+resolvedFor(const CRFElements& elements, const SemanticCRFParameters& parameters)
+{
+  return parameters.resolved(elements.spacing, elements.colours.size() > 0,
+                             elements.extent);
+}
+
 CRFReport
 refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
                LabelDistributions& distributions)
@@ -128,6 +135,7 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
   const ThreadScope threads(terms.threads);
   CRFReport report;
   report.spacing = elements.spacing;
+  report.extent = elements.extent;
   report.unlabelled = checkMeasurements(distributions, elements.indices);
   if (elements.indices.empty())
     return report;
@@ -137,7 +145,7 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
     return report;
   }
   MeanField inference(buildModel(terms, cliques, elements, distributions, report));
-  const SemanticCRFParameters& parameters = terms.parameters;
+  const SemanticCRFParameters parameters = resolvedFor(elements, terms.parameters);
   inference.run(parameters.iterations);
   report.updates = parameters.iterations;
   writeResult(inference.marginals(), elements.indices,

@@ -21,7 +21,12 @@ struct CRFElements {
   Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite [m] or [px]
   Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   double spacing = 0.0;      ///< CRFReport::spacing
+  double extent = 0.0;       ///< CRFReport::extent
 };
+
+/** \brief The parameters for elements, without automatic values. */
+SemanticCRFParameters resolvedFor(const CRFElements& elements,
+                                  const SemanticCRFParameters& parameters);
 
 /** \brief Cliques of elements; they may overlap and leave elements out. */
 using Cliques = std::vector<pcl::PointIndices>;

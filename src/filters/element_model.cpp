@@ -57,17 +57,6 @@ gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
   return result;
 }
 
-// Sets automatic deviations from the spacing.
-SemanticCRFParameters
-resolved(SemanticCRFParameters parameters, double spacing)
-{
-  for (double* const deviation :
-       {&parameters.smoothness_deviation, &parameters.appearance_deviation})
-    if (*deviation == 0.0)
-      *deviation = SemanticCRFParameters::automaticDeviation(spacing);
-  return parameters;
-}
-
 // Eq. (6). Without colours the second kernel becomes a kernel over positions, to keep
 // its weight: otherwise a single wrong label outvotes its neighbours.
 std::vector<GaussianTerm>
@@ -135,7 +124,7 @@ public:
   ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
                const LabelDistributions& measured)
       : terms_(terms), cliques_(cliques),
-        parameters_(resolved(terms.parameters, elements.spacing)), elements_(elements),
+        parameters_(resolvedFor(elements, terms.parameters)), elements_(elements),
         measured_(measured),
         gaussian_kernels_(elements.positions, deviationsOf(gaussianTerms()),
                           kernelOptions(parameters_))

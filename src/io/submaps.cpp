@@ -54,6 +54,7 @@ crfOfRun(const std::string& description)
   if (model != values.end() && (model->second == "none" || model->second == "unary"))
     return {};
   SemanticCRFParameters crf = SemanticCRFParameters::forMaps();
+  crf.sensor = PointSensor::stereo; // as maps were refined before they named it
   setFromRun(values, parametersOf(crf, "m"));
   return crf;
 }

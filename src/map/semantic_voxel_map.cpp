@@ -368,6 +368,13 @@ SemanticVoxelMap::setDepthError(double error)
   state_->depth_error = error;
 }
 
+double
+SemanticVoxelMap::depthError() const
+{
+  const auto reading = state_->lock.read();
+  return state_->depth_error;
+}
+
 std::size_t
 SemanticVoxelMap::addScanLabels(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)

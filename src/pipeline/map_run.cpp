@@ -80,6 +80,10 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
   run_.config = config;
   run_.config.validate();
   run_.config.things = run_.config.things && run_.label_set.hasThings();
+  if (auto& sensor = run_.config.crf_parameters.sensor;
+      sensor == PointSensor::automatic && run_.camera) // a merge has no other trace
+    sensor =
+        inputs_.source->sensor().has_depth ? PointSensor::rgbd : PointSensor::stereo;
   if (!isLive() && !outputs_.archive.path.empty() && inputs_.has_odometry)
     badParameter(
         "--archive needs poses from a file: odometry cannot resume a killed run; write "

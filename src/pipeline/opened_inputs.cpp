@@ -154,7 +154,8 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
   const auto positions = selectFrames(*sequence, parseFrameRange(inputs.frames));
   append(opened.doubts, sequence->doubts());
   opened.source = std::make_unique<RecordedFrames>(
-      FrameSensor{sequence->camera()}, frameTimes(*sequence, positions),
+      FrameSensor{sequence->camera(), Eigen::Isometry3d::Identity(), true},
+      frameTimes(*sequence, positions),
       [sequence, positions](std::size_t i) { return sequence->frame(positions[i]); });
   TextStream scale;
   scale << inputs.depth_scale;

@@ -10,6 +10,7 @@
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -365,13 +366,23 @@ SemanticMapper::integrate(const MappedFrame& mapped)
   }
 }
 
+PointSensor
+SemanticMapper::sensorOf(const VoxelCloud& voxels) const
+{
+  if (map_.depthError() > 0.0)
+    return PointSensor::stereo;
+  return hasColour(voxels) ? PointSensor::rgbd : PointSensor::lidar;
+}
+
 void
 SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   if (config_.crf_write_back)
     voxels.is_refined.clear(); // a run changes the prior of all later ones
-  const CrfRegion region =
-      crfRegion(voxels, crfReach(config_.crf_parameters, voxels.voxel_size));
+  SemanticCRFParameters parameters = config_.crf_parameters;
+  if (parameters.sensor == PointSensor::automatic)
+    parameters.sensor = sensorOf(voxels);
+  const CrfRegion region = crfRegion(voxels, crfReach(parameters, voxels.voxel_size));
   if (region.updated.empty())
     return;
   SemanticCRF<pcl::PointXYZRGBL> crf;
@@ -381,7 +392,6 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
     crf.setCliques(groups.cliques);
     crf.setCliqueCosts(groups.costs);
   }
-  SemanticCRFParameters parameters = config_.crf_parameters;
   if (config_.crf_write_back)
     parameters.temperature = 1.0; // tempering would weaken the next prior
   crf.setParameters(parameters);

@@ -192,6 +192,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"crf", {{"unary"}, {"pn-potts", "--cliques cubes:1"}, {"none"}, {"pn-potts"}}},
     {"crf-every", {{"2"}}},
     {"crf-iterations", {{"7"}}},
+    {"crf-sensor", {{"stereo"}, {"lidar"}, {"rgbd"}}},
     {"crf-keep-thin",
      {{"false"},
       {"false", "--smoothness-weight 900 --crf-iterations 5"},

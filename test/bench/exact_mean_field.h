@@ -22,14 +22,9 @@ public:
     std::unordered_map<VoxelIndex, int, VoxelIndexHash> grid;
     for (std::size_t i = 0; i < voxels.size(); ++i)
       grid[voxels.indices[i]] = int(i);
-    const auto deviation = [&](double given) {
-      return given > 0.0 ? given
-                         : SemanticCRFParameters::automaticDeviation(voxels.voxel_size);
-    };
-    const double smooth =
-        voxels.voxel_size / deviation(parameters.smoothness_deviation);
-    const double appear =
-        voxels.voxel_size / deviation(parameters.appearance_deviation);
+    const SemanticCRFParameters values = parameters.resolved(voxels.voxel_size, true);
+    const double smooth = voxels.voxel_size / values.smoothness_deviation;
+    const double appear = voxels.voxel_size / values.appearance_deviation;
     const int reach = int(5.0 / std::min(smooth, appear) + 1e-9);
     std::vector<std::vector<double>> first(voxels.size()), second(voxels.size());
     std::vector<double> first_sum(voxels.size()), second_sum(voxels.size());
@@ -48,8 +43,8 @@ public:
                        &b = (*voxels.cloud)[std::size_t(found->second)];
             const double dr = double(a.r) - b.r, dg = double(a.g) - b.g,
                          db = double(a.b) - b.b;
-            const double colour = (dr * dr + dg * dg + db * db) /
-                                  std::pow(parameters.colour_deviation, 2);
+            const double colour =
+                (dr * dr + dg * dg + db * db) / std::pow(values.colour_deviation, 2);
             neighbours_[i].push_back(found->second);
             first[i].push_back(std::exp(-0.5 * squared * smooth * smooth));
             second[i].push_back(std::exp(-0.5 * (squared * appear * appear + colour)));

@@ -79,15 +79,59 @@ TEST(PointSpacing, IsZeroWhereThereIsNone)
   EXPECT_EQ(pointSpacing(Eigen::MatrixXf::Ones(3, 50)), 0.0f);
 }
 
-TEST(AutomaticDeviation, IsUsualUnlessThePointsAreTooFarApartOrTooNear)
+TEST(AutomaticValues, DependOnTheSensorAndTheDistanceOfThePoints)
 {
-  using P = SemanticCRFParameters;
-  EXPECT_EQ(P::automaticDeviation(0.0), 0.2);
-  EXPECT_EQ(P::automaticDeviation(0.06), 0.2);
-  EXPECT_EQ(P::automaticDeviation(0.1), 0.2); // the voxels of a map: not a bit more
-  EXPECT_DOUBLE_EQ(P::automaticDeviation(0.3), 0.6);
-  EXPECT_DOUBLE_EQ(P::automaticDeviation(0.005), 0.05);
-  EXPECT_DOUBLE_EQ(P::automaticDeviation(80.0), 160.0); // millimetres
+  const auto deviation = [](PointSensor sensor, double spacing) {
+    SemanticCRFParameters parameters;
+    parameters.sensor = sensor;
+    const SemanticCRFParameters values = parameters.resolved(spacing, true);
+    EXPECT_EQ(values.iterations, sensor == PointSensor::stereo ? 1 : 3);
+    EXPECT_EQ(values.smoothness_deviation, values.appearance_deviation);
+    return values.smoothness_deviation;
+  };
+  for (const PointSensor sensor : {PointSensor::stereo, PointSensor::lidar}) {
+    EXPECT_EQ(deviation(sensor, 0.0), 0.2);
+    EXPECT_EQ(deviation(sensor, 0.06), 0.2);
+    EXPECT_EQ(deviation(sensor, 0.1), 0.2); // the voxels of a map: not a bit more
+    EXPECT_DOUBLE_EQ(deviation(sensor, 0.3), 0.6);
+    EXPECT_DOUBLE_EQ(deviation(sensor, 0.005), 0.05);
+    EXPECT_DOUBLE_EQ(deviation(sensor, 80.0), 160.0); // millimetres
+  }
+}
+
+TEST(AutomaticValues, OfColouredPointsAreThoseOfRgbd)
+{
+  const auto expectDeviations = [](double spacing, double extent, double smoothness,
+                                   double appearance) {
+    const SemanticCRFParameters values =
+        SemanticCRFParameters().resolved(spacing, true, extent);
+    EXPECT_EQ(values.sensor, PointSensor::rgbd);
+    EXPECT_EQ(values.iterations, 3);
+    EXPECT_EQ(values.colour_deviation, 30.0);
+    EXPECT_DOUBLE_EQ(values.smoothness_deviation, smoothness);
+    EXPECT_DOUBLE_EQ(values.appearance_deviation, appearance);
+  };
+  expectDeviations(0.0, 0.0, 0.1, 0.2);
+  expectDeviations(0.02, 0.0, 0.1, 0.2);
+  expectDeviations(0.2, 0.0, 0.2, 0.4);
+  expectDeviations(0.004, 1.5, 0.1, 0.2);    // an image of a room
+  expectDeviations(0.001, 0.08, 0.01, 0.02); // of a cup
+  expectDeviations(4.0, 1500.0, 4.0, 8.0);   // of a room in millimetres
+  EXPECT_EQ(SemanticCRFParameters().resolved(0.1, false).sensor, PointSensor::lidar);
+}
+
+TEST(AutomaticValues, LeaveValuesThatAreSet)
+{
+  SemanticCRFParameters parameters;
+  parameters.iterations = 7;
+  parameters.smoothness_deviation = 0.01;
+  parameters.appearance_deviation = 0.02;
+  parameters.colour_deviation = 5.0;
+  const SemanticCRFParameters values = parameters.resolved(0.3, true, 4.0);
+  EXPECT_EQ(values.iterations, 7);
+  EXPECT_EQ(values.smoothness_deviation, 0.01);
+  EXPECT_EQ(values.appearance_deviation, 0.02);
+  EXPECT_EQ(values.colour_deviation, 5.0);
 }
 
 } // namespace

@@ -108,6 +108,15 @@ plainUnary(const Eigen::MatrixXf& distributions)
   return -distributions.array().max(1e-6f).log();
 }
 
+/** \brief The upper median. */
+inline float
+plainMedian(const Eigen::VectorXf& values)
+{
+  std::vector<float> sorted(values.data(), values.data() + values.size());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted[sorted.size() / 2];
+}
+
 /** \brief The dense CRF over some points of a cloud. */
 inline PlainCrf
 makePlainCrf(const CrfCloud& input, const pcl::Indices& indices,
@@ -122,19 +131,20 @@ makePlainCrf(const CrfCloud& input, const pcl::Indices& indices,
     colours.col(i) << float(point.r), float(point.g), float(point.b);
     measured.col(i) = input.distributions.matrix().col(indices[std::size_t(i)]);
   }
-  const auto deviation = [&](double set) {
-    return set > 0.0
-               ? set
-               : SemanticCRFParameters::automaticDeviation(pointSpacing(positions));
-  };
+  Eigen::Vector3f middle;
+  for (int axis = 0; axis < 3; ++axis)
+    middle[axis] = plainMedian(positions.row(axis).transpose());
+  const Eigen::VectorXf distances =
+      (positions.colwise() - middle).colwise().norm().transpose();
+  const SemanticCRFParameters values = parameters.resolved(
+      double(pointSpacing(positions)), true, double(plainMedian(distances)));
   PlainCrf crf;
   crf.unary = plainUnary(measured);
-  crf.kernels = {
-      plainKernelMatrix(positions, {}, parameters.smoothness_weight,
-                        deviation(parameters.smoothness_deviation), parameters),
-      plainKernelMatrix(positions, colours / float(parameters.colour_deviation),
-                        parameters.appearance_weight,
-                        deviation(parameters.appearance_deviation), parameters)};
+  crf.kernels = {plainKernelMatrix(positions, {}, parameters.smoothness_weight,
+                                   values.smoothness_deviation, parameters),
+                 plainKernelMatrix(positions, colours / float(values.colour_deviation),
+                                   parameters.appearance_weight,
+                                   values.appearance_deviation, parameters)};
   crf.self_interaction = parameters.self_interaction;
   return crf;
 }

@@ -23,6 +23,7 @@ struct FrameSensor {
   /// Pose of the sensor in the frame of camera 0 [m]. Trajectory files contain the
   /// poses of camera 0.
   Eigen::Isometry3d T_camera0_sensor = Eigen::Isometry3d::Identity();
+  bool has_depth = false; ///< frames have a depth image (RGB-D)
 };
 
 /** \brief Frames of one sensor, in the order of their times. */

@@ -17,22 +17,35 @@ enum class CRFModelType {
   hierarchical ///< adds robust P^n cliques with their own variables, eqs. (7)-(9)
 };
 
+/** \brief Sensor of the points of a cloud. It decides the automatic values of
+ * SemanticCRFParameters. */
+enum class PointSensor {
+  automatic, ///< rgbd for points with colours, otherwise lidar
+  stereo,    ///< depth from stereo, which is uncertain
+  rgbd,      ///< precise depth and colours
+  lidar      ///< precise depth without colours
+};
+
 /** \brief Parameters of the CRF over the points of a cloud [m] or the pixels of an
  * image [px]. A kernel of weight 0 is omitted. Without colours, the kernels with
- * colours use positions only, with the same weight. */
+ * colours use positions only, with the same weight.
+ *
+ * Values of 0 that are marked automatic depend on the sensor and on the spacing of the
+ * points (doc/parameters.md): see resolved(). */
 struct SemanticCRFParameters {
   double smoothness_weight = 3.0;    ///< w_2, of the kernel over positions only
-  double smoothness_deviation = 0.0; ///< theta_gamma; 0 = automaticDeviation()
+  double smoothness_deviation = 0.0; ///< theta_gamma; 0 = automatic
   double appearance_weight = 8.0;    ///< w_1, of the kernel over positions and colours
-  double appearance_deviation = 0.0; ///< theta_alpha; 0 = automaticDeviation()
-  double colour_deviation = 8.0;     ///< theta_beta [grey levels, 0..255]
+  double appearance_deviation = 0.0; ///< theta_alpha; 0 = automatic
+  double colour_deviation = 0.0; ///< theta_beta [grey levels, 0..255]; 0 = automatic
 
   KernelMethod kernel_method = KernelMethod::automatic;
   double radius = 2.0; ///< radius of truncated kernels [position deviations]
   Normalization normalization = Normalization::symmetric;
   bool self_interaction = false; ///< kernels include the point itself, as densecrf does
 
-  int iterations = 1; ///< mean-field updates
+  int iterations = 0; ///< mean-field updates; 0 = automatic
+  PointSensor sensor = PointSensor::automatic;
   /// T: raises the marginals to the power of 1/T and normalises them (Guo et al. 2017);
   /// doc/calibration.md. Labels do not change; above 1 their probabilities decrease.
   /// The unary model ignores T.
@@ -58,10 +71,23 @@ struct SemanticCRFParameters {
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 
-  /** \brief Default deviation of positions for a cloud: 0.2 m, but at least two and at
-   * most ten times the point spacing; doc/parameters.md.
-   * \param[in] spacing CRFReport::spacing; 0 = unknown */
-  static double automaticDeviation(double spacing);
+  /** \brief Replaces automatic values:
+   *
+   * | | stereo | rgbd | lidar |
+   * |---|---|---|---|
+   * | updates | 1 | 3 | 3 |
+   * | smoothness deviation [m] | 0.2 | 0.1 | 0.2 |
+   * | appearance deviation [m] | 0.2 | 0.2 | 0.2 |
+   * | colour deviation | 8 | 30 | |
+   *
+   * Deviations are at least two and at most ten times the spacing; of rgbd, they are at
+   * least one (smoothness) or two times (appearance) the spacing and at most an eighth
+   * or a quarter of the extent.
+   * \param[in] spacing CRFReport::spacing; 0 = unknown
+   * \param[in] has_colours whether the points have colours
+   * \param[in] extent CRFReport::extent; 0 = unknown */
+  SemanticCRFParameters resolved(double spacing, bool has_colours,
+                                 double extent = 0.0) const;
 
   /** \brief Defaults for the voxels of a map: a temperature of 3. */
   static SemanticCRFParameters forMaps();
@@ -76,6 +102,8 @@ struct CRFReport {
   /// Size of the voxels, or median distance of the points to their fourth nearest
   /// neighbour [m]; 0 = too few points.
   double spacing = 0.0;
+  /// Median distance of the points to their median position [m]; 0 for voxels.
+  double extent = 0.0;
   int updates = 0;                 ///< mean-field updates made
   std::size_t unlabelled = 0;      ///< refined elements without a measurement
   std::size_t cliques = 0;         ///< cliques with at least one refined element

@@ -170,6 +170,8 @@ public:
    * \throws InvalidParameterException unless finite and not negative */
   void setDepthError(double error);
 
+  double depthError() const;
+
   /** \brief Sets the number of threads of integrate() and of the queries.
    * \param[in] threads as CRFSettings::setNumberOfThreads() */
   void setNumberOfThreads(int threads);

@@ -235,6 +235,8 @@ private:
 
   ScanCounts integrate(const MappedFrame& mapped);
 
+  PointSensor sensorOf(const VoxelCloud& voxels) const;
+
   void refineVoxels(VoxelCloud& voxels);
 
   void numberObjects(VoxelCloud& voxels);
