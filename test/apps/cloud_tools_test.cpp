@@ -159,7 +159,7 @@ TEST(CloudTools, APipelineOfToolsMakesTheSameMap)
   // And with the CRF as a tool of its own.
   succeed(mapOfClouds(folder) + folder.path("raw") + " --crf none");
   succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd") +
-          " --crf-temperature 3" + of_kitti11);
+          " --crf-sensor stereo --crf-temperature 3" + of_kitti11);
   const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
   const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
   ASSERT_EQ(tools.cloud->size(), direct.cloud->size());

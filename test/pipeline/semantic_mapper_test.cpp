@@ -385,6 +385,7 @@ TEST_F(Street, EveryModelOfTheCrf)
     }
     SemanticCRF<pcl::PointXYZRGBL> crf;
     crf.setModel(config.crf);
+    config.crf_parameters.sensor = PointSensor::stereo;
     crf.setParameters(config.crf_parameters);
     crf.setThinLabels(mapper.map().labelSet().thinLabels());
     crf.setCliqueGenerator(std::make_shared<CubeCliques>(1.0));
