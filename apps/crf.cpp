@@ -237,8 +237,9 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
   const double widest = report.extent > 0.0 ? report.extent : 50.0 * report.spacing;
   for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
     if (deviation != 0.0 && (deviation < 0.5 * report.spacing || deviation > widest)) {
-      const SemanticCRFParameters defaults = SemanticCRFParameters().resolved(
-          report.spacing, input.has_colour, report.extent);
+      SemanticCRFParameters defaults;
+      defaults.sensor = crf.sensor;
+      defaults = defaults.resolved(report.spacing, input.has_colour, report.extent);
       TextStream text;
       text << arguments.input << ": ";
       if (deviation > widest && report.extent > 0.0)

@@ -16,6 +16,7 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/run_record.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/version.h>
 
 #include <algorithm>
@@ -86,7 +87,10 @@ public:
       return;
     SemanticCRF<pcl::PointXYZRGBL> crf;
     crf.setModel(CRFModelType::dense);
-    crf.setParameters(parameters_);
+    SemanticCRFParameters parameters = parameters_;
+    if (parameters.sensor == PointSensor::automatic && !hasColour(voxels))
+      parameters.sensor = PointSensor::lidar; // its colours are black, not missing
+    crf.setParameters(parameters);
     refineRegion(crf, label_set_, region, voxels);
     write(region.updated, voxels, blocks);
   }
