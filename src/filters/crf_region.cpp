@@ -91,14 +91,18 @@ voxelsIn(BlockMarks& marks, const std::vector<VoxelIndex>& voxels)
 double
 crfReach(const SemanticCRFParameters& parameters, double voxel_size)
 {
-  const SemanticCRFParameters values = parameters.resolved(voxel_size, true);
-  const double deviation =
-      std::max(values.smoothness_deviation, values.appearance_deviation);
-  const double radius =
-      values.kernel_method == KernelMethod::lattice ? 3.0 : values.radius;
-  // One extra step, because messages are normalised by their senders' received
-  // messages.
-  return (values.iterations + 1) * radius * deviation;
+  double reach = 0.0;
+  for (const bool has_colours : {false, true}) {
+    const SemanticCRFParameters values = parameters.resolved(voxel_size, has_colours);
+    const double deviation =
+        std::max(values.smoothness_deviation, values.appearance_deviation);
+    const double radius =
+        values.kernel_method == KernelMethod::lattice ? 3.0 : values.radius;
+    // One extra step, because messages are normalised by their senders' received
+    // messages.
+    reach = std::max(reach, (values.iterations + 1) * radius * deviation);
+  }
+  return reach;
 }
 
 int
@@ -129,6 +133,7 @@ void
 refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
              const CrfRegion& region, VoxelCloud& voxels)
 {
+  crf.setUseColour(hasColour(voxels));
   crf.setThinLabels(label_set.thinLabels());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);

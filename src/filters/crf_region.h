@@ -18,8 +18,8 @@ struct CrfRegion {
   pcl::Indices seen;    ///< these and all within their reach, ascending
 };
 
-/** \brief Distance over which a voxel influences others after all updates [m].
- * \param[in] parameters with the sensor of the map */
+/** \brief Distance over which a voxel influences others after all updates, with or
+ * without colours [m]. */
 double crfReach(const SemanticCRFParameters& parameters, double voxel_size);
 
 /** \brief A reach in blocks of 8 x 8 x 8 voxels, rounded up. */

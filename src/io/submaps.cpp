@@ -16,7 +16,6 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/run_record.h>
-#include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/version.h>
 
 #include <algorithm>
@@ -87,10 +86,7 @@ public:
       return;
     SemanticCRF<pcl::PointXYZRGBL> crf;
     crf.setModel(CRFModelType::dense);
-    SemanticCRFParameters parameters = parameters_;
-    if (parameters.sensor == PointSensor::automatic && !hasColour(voxels))
-      parameters.sensor = PointSensor::lidar; // its colours are black, not missing
-    crf.setParameters(parameters);
+    crf.setParameters(parameters_);
     refineRegion(crf, label_set_, region, voxels);
     write(region.updated, voxels, blocks);
   }

@@ -44,14 +44,6 @@ makeTable(int classes, std::size_t count, VoxelColour colour, bool has_objects)
 
 } // namespace
 
-bool
-hasColour(const VoxelCloud& voxels)
-{
-  return std::any_of(
-      voxels.cloud->begin(), voxels.cloud->end(),
-      [](const pcl::PointXYZRGBL& point) { return (point.rgba & 0xFFFFFFu) != 0; });
-}
-
 VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                                    VoxelColour colour, std::size_t count,
                                    double voxel_size, const Eigen::Vector3d& origin,

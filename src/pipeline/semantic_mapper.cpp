@@ -10,7 +10,6 @@
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -366,22 +365,14 @@ SemanticMapper::integrate(const MappedFrame& mapped)
   }
 }
 
-PointSensor
-SemanticMapper::sensorOf(const VoxelCloud& voxels) const
-{
-  if (map_.depthError() > 0.0)
-    return PointSensor::stereo;
-  return hasColour(voxels) ? PointSensor::rgbd : PointSensor::lidar;
-}
-
 void
 SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   if (config_.crf_write_back)
     voxels.is_refined.clear(); // a run changes the prior of all later ones
   SemanticCRFParameters parameters = config_.crf_parameters;
-  if (parameters.sensor == PointSensor::automatic)
-    parameters.sensor = sensorOf(voxels);
+  if (parameters.sensor == PointSensor::automatic && map_.depthError() > 0.0)
+    parameters.sensor = PointSensor::stereo;
   const CrfRegion region = crfRegion(voxels, crfReach(parameters, voxels.voxel_size));
   if (region.updated.empty())
     return;

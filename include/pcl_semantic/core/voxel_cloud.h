@@ -55,4 +55,7 @@ struct VoxelCloud {
   }
 };
 
+/** \brief Whether any voxel has a measured colour; voxels of a scanner have none. */
+bool hasColour(const VoxelCloud& voxels);
+
 } // namespace pcl_semantic

@@ -19,9 +19,6 @@ enum class VoxelColour {
   none      ///< no such field
 };
 
-/** \brief Whether any voxel has a measured colour; voxels of a scanner have none. */
-bool hasColour(const VoxelCloud& voxels);
-
 /** \brief Writes the file of writeVoxelCloud() in chunks, so that only one chunk has to
  * be in memory. */
 class VoxelCloudWriter {

@@ -235,8 +235,6 @@ private:
 
   ScanCounts integrate(const MappedFrame& mapped);
 
-  PointSensor sensorOf(const VoxelCloud& voxels) const;
-
   void refineVoxels(VoxelCloud& voxels);
 
   void numberObjects(VoxelCloud& voxels);
