@@ -93,8 +93,7 @@ ConfigParameters
 inputsOf(MapInputs& inputs, MapProgram program)
 {
   static const std::set<std::string> of_recordings = {
-      "clouds", "rgbd", "depth_scale", "scan_columns", "sensor", "clique_calibration",
-      "frames"};
+      "clouds", "rgbd", "depth_scale", "scan_columns", "sensor", "frames"};
   static const std::map<std::string, std::string> live_help = {
       {"sequence", "folder in KITTI's odometry layout that another program fills"},
       {"left", "left camera (0, /dev/video0), stream (rtsp://...) or video, instead of "

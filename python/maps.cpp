@@ -215,42 +215,6 @@ struct GivenLabels : LabelPredictor {
   }
 };
 
-// fx, fy, cx, cy, baseline, width, height
-StereoCamera
-cameraOf(const std::vector<double>& numbers)
-{
-  if (numbers.size() != 7)
-    badParameter("the camera has ", numbers.size(),
-                 " numbers, expected seven: fx, fy, cx, cy [px], baseline [m], width, "
-                 "height [px]");
-  for (const std::size_t i : {5, 6})
-    if (!(numbers[i] >= 2.0 && numbers[i] <= 65536.0) ||
-        numbers[i] != std::floor(numbers[i]))
-      badParameter("the camera's image size is ", numbers[5], " x ", numbers[6],
-                   ", expected whole numbers from 2 to 65536");
-  return {numbers[0], numbers[1],      numbers[2],     numbers[3],
-          numbers[4], int(numbers[5]), int(numbers[6])};
-}
-
-// H x W or H x W x 3, red green blue.
-cv::Mat
-imageOf(const py::object& values, const StereoCamera& camera, const char* name)
-{
-  const auto array =
-      integersOf<std::uint8_t>(values, ("pixels of " + std::string(name)).c_str());
-  const bool is_grey = array.ndim() == 2;
-  if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
-      array.shape(0) != camera.height || array.shape(1) != camera.width)
-    badParameter(name, " is ", shapeOf(array), ", expected ", camera.height, " x ",
-                 camera.width, " as the camera's, or with three colours");
-  cv::Mat image(camera.height, camera.width, is_grey ? CV_8UC1 : CV_8UC3);
-  std::memcpy(image.data, array.data(), std::size_t(array.size()));
-  if (!is_grey)
-    for (cv::Vec3b& pixel : cv::Mat3b(image))
-      std::swap(pixel[0], pixel[2]); // OpenCV's order
-  return image;
-}
-
 class Mapper {
 public:
   Mapper(const Path& label_set, const std::optional<std::vector<double>>& camera,
@@ -328,10 +292,7 @@ public:
   {
     if (!camera_)
       badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
-    if (isForked()) // it would wait for threads of OpenCV
-      badParameter(
-          "stereo pairs cannot be computed in a process that was forked after the "
-          "module was loaded; use the start method spawn of multiprocessing");
+    requireNoFork();
     StereoFrame frame;
     frame.left = imageOf(left, *camera_, "the left image");
     frame.right = imageOf(right, *camera_, "the right image");

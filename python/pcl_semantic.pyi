@@ -38,6 +38,18 @@ def write_cloud(path: Path, cloud: Dict[str, ArrayLike]) -> None: ...
 def read_camera(path: Path) -> Dict[str, float]: ...
 def load_map(path: Path) -> SemanticVoxelMap: ...
 
+pixel_feature_names: Tuple[str, ...]
+
+def pixel_features(
+    left: ArrayLike,  # H x W or H x W x 3, uint8
+    right: ArrayLike,
+    camera: Sequence[float],  # fx fy cx cy baseline width height
+    probabilities: ArrayLike,  # H*W x L, of the left image
+    *,
+    ground: Sequence[int] = (),  # labels of the ground
+    **parameters: Any,  # stereo, disparities and max_deviation of pcl_semantic_map
+) -> NDArray[np.float32]: ...  # H x W x 7, NaN = unknown
+
 class SemanticVoxelMap:
     def __init__(self, label_set: Path, **parameters: Any) -> None: ...
     def integrate(

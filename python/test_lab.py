@@ -190,7 +190,7 @@ class Tables(Folder):
 class Models(unittest.TestCase):
     def test_their_options_are_understood(self):
         for model, (_, options) in models.MODELS.items():
-            options = options.format(calibration="none.yaml", cliques="none.yaml").split()
+            options = options.format(calibration="none.yaml").split()
             with self.subTest(model):
                 subprocess.run([os.path.join(os.environ["PCL_SEMANTIC_BIN"], "pcl_semantic_map"),
                                 *options, "--print-config"], check=True, cwd=files.ROOT,

@@ -790,8 +790,48 @@ class Forked(unittest.TestCase):
         def child():
             with self.assertRaisesRegex(ValueError, "fork"):
                 mapper.process_pair(image, image, np.eye(4), np.full((4800, 11), 1 / 11))
+            with self.assertRaisesRegex(ValueError, "fork"):
+                pcl_semantic.pixel_features(image, image, camera, np.full((4800, 11), 1 / 11))
 
         self.run_in_child(child)
+
+
+class PixelFeatures(unittest.TestCase):
+    CAMERA = (100, 100, 60, 40, 0.5, 120, 80)
+
+    def test_a_floor_has_heights_and_a_wall_stands_on_it(self):
+        # A floor 1.5 m below the camera up to a wall at 6.25 m, textured at random.
+        rows = np.arange(80)[:, None] * np.ones((1, 120))
+        disparity = np.where(rows < 64, 8, (rows - 40) / 3).round().astype(int)
+        texture = np.random.default_rng(3).integers(0, 256, (80, 200, 3), np.uint8)
+        columns = np.arange(120) + 40
+        left = texture[:, columns]
+        right = texture[rows.astype(int), columns + disparity]
+        floor = np.zeros((80, 120, 2), np.float32)
+        floor[:64, :, 1] = floor[64:, :, 0] = 1
+        found = pcl_semantic.pixel_features(left, right, self.CAMERA, floor.reshape(-1, 2),
+                                            ground=[1])
+        at = {name: found[:, 30:110, i]
+              for i, name in enumerate(pcl_semantic.pixel_feature_names)}
+        self.assertLess(abs(np.nanmedian(at["height"][68:76])), 0.1)
+        self.assertAlmostEqual(np.nanmedian(at["height"][24]), 1.5 + 16 * 6.25 / 100, delta=0.15)
+        self.assertAlmostEqual(np.nanmedian(at["distance"][10:50]), 6.25, delta=0.1)
+        np.testing.assert_allclose(found[..., 4], left.mean(2) / 255, atol=1e-6)
+        alone = pcl_semantic.pixel_features(left, right, self.CAMERA, floor.reshape(-1, 2))
+        self.assertTrue(np.isnan(alone[..., 0]).all())
+
+    def test_bad_arguments(self):
+        image, labels = np.zeros((80, 120), np.uint8), np.full((9600, 2), 0.5)
+        for says, arguments, options in [
+                ("seven", (image, image, (1, 2), labels), {}),
+                ("the right image is 120 x 80", (image, image.T, self.CAMERA, labels), {}),
+                ("ground is 3, expected 1 to 2", (image, image, self.CAMERA, labels),
+                 {"ground": [3]}),
+                ("stereo", (image, image, self.CAMERA, labels), {"stereo": "x"})]:
+            with self.assertRaisesRegex(ValueError, says):
+                pcl_semantic.pixel_features(*arguments, **options)
+        with self.assertRaises(TypeError):
+            pcl_semantic.pixel_features(image, image, self.CAMERA, labels, voxel_size=0.1)
 
 
 class Stub(unittest.TestCase):
@@ -801,7 +841,7 @@ class Stub(unittest.TestCase):
             text = stub.read()
         for name in dir(pcl_semantic):
             if not name.startswith("__"):
-                self.assertRegex(text, r"(def|class) " + name + r"\b")
+                self.assertRegex(text, rf"(?m)^((def|class) {name}\b|{name}:)")
 
 
 if __name__ == "__main__":

@@ -66,6 +66,24 @@ def read_array(path, kind):
     return np.fromfile(path, kind)
 
 
+def read_distributions(folder, frame, shape):
+    """Probabilities of the classes of an image, H x W x L, from .npy or .bin."""
+    path = Path(folder) / f"{frame:06}.npy"
+    if path.exists():
+        values = np.load(path)
+    else:
+        path = path.with_suffix(".bin")
+        values = read_array(path, "<f4")
+        if len(values) == 0 or len(values) % (shape[0] * shape[1]):
+            raise ValueError(f"{path}: has {len(values)} values, expected L for each of "
+                             f"{shape[1]} x {shape[0]} pixels")
+        values = values.reshape(*shape, -1)
+    if values.ndim != 3 or values.shape[:2] != tuple(shape):
+        raise ValueError(f"{path}: has shape {values.shape}, expected {shape[0]} x {shape[1]} x L")
+    values = values.astype(np.float32)
+    return values / np.maximum(values.sum(2, keepdims=True), np.finfo(np.float32).tiny)
+
+
 def write_array(path, values, kind):
     replace(path, lambda file: file.write(np.asarray(values, kind).tobytes()))
 

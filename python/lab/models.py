@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The models of the tables: their titles, and the options of pcl_semantic_map. {calibration}
-and {cliques} stand for what was learned without the sequence."""
+stands for what was learned without the sequence."""
 
 # In every table, also in 3D and by distance.
 MAIN = ["dense", "superpixel", "calibrated_dense", "calibrated_superpixel",
-        "calibrated_supervoxel", "calibrated_cliques", "fine"]
+        "calibrated_supervoxel", "fine"]
 # Table I, what the paper compares: its models, all with the same network as it comes.
 COMPARED = ["dense", "pn_potts", "superpixel", "clique_kernels", "no_free_label", "supervoxel"]
 # And the systems, each on a map of its own.
@@ -16,7 +16,6 @@ ABLATIONS = ["every_4", "five_updates", "write_back", "product"]
 SUPERPIXEL = "--crf hierarchical --cliques superpixel"
 SUPERVOXEL = "--crf hierarchical --cliques supervoxel"
 LABELS = "--label-calibration {calibration}"
-CLIQUES = f"--config data/presets/calibrated_cliques.yaml {LABELS} --clique-calibration {{cliques}}"
 MODELS = {
     "none": ("", "--crf none"),  # for the pictures and the objects
     "dense": ("after dense CRF", "--crf dense"),
@@ -33,10 +32,8 @@ MODELS = {
                               f"{SUPERPIXEL} {LABELS}"),
     "calibrated_supervoxel": ("calibrated, after hierarchical CRF, supervoxels",
                               f"{SUPERVOXEL} {LABELS}"),
-    "calibrated_cliques": (
-        "calibrated labels and cliques, after hierarchical CRF, superpixels", CLIQUES),
-    "fine": ("calibrated labels and cliques in voxels of 0.06 m, preset fine",
-             f"{CLIQUES} --voxel-size 0.06 --max-deviation 3"),  # data/presets/fine.yaml
+    "fine": ("calibrated, in voxels of 0.06 m, preset fine",
+             f"--config data/presets/fine.yaml {LABELS}"),
     "every_4": ("CRF at every fourth frame", f"{SUPERPIXEL} --crf-every 4"),
     "five_updates": ("five updates a frame", f"{SUPERPIXEL} --crf-iterations 5"),
     "write_back": ("the posterior is the next prior", f"{SUPERPIXEL} --config python/lab/write_back.yaml"),

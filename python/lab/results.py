@@ -15,7 +15,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from lab import files, lidar_truth, models, plots, tables
+from lab import calibrate, files, lidar_truth, models, plots, tables
 
 NETWORK = "data/networks/espnetv2_city_1280x480.yaml"
 MODEL = "nets/espnetv2_s2.0_city_1280x480_halfres.onnx"
@@ -37,7 +37,7 @@ class Run:
     def __init__(self, data):
         self.data, self.kitti = Path(data), Path(data) / "kitti"
         self.streets = os.environ.get("STREETS", "00 01 03 05 06 07 09").split()
-        if len(self.streets) < 3:  # calibrations come from the others, and theirs again
+        if len(self.streets) < 3:  # calibrations come from the others
             sys.exit(f"results: STREETS are {self.streets}, expected three or more")
         self.tables = tables.Tables(OUT, self.streets, self.kitti)
         self.load = os.getloadavg()[0]  # of other programs: the times suffer from it
@@ -73,19 +73,11 @@ class Run:
         if (source / "gt").is_dir():
             (folder / "truth_images").symlink_to((source / "gt").resolve())
 
-    def learn(self, output, sequences, *options):
-        tool("calibrate", *(self.kitti / each for each in sequences), "--label-set", LABEL_SET,
-             "--labels", OUT / "{name}" / "network_distributions",
-             "--truth", OUT / "{name}" / "truth", "--output", output, *options)
-
-    def learn_cliques(self, sequence):
-        """From the other streets alone: the labels of each are calibrated by the rest."""
-        say(f"calibration of cliques for sequence {sequence}")
-        others = [each for each in self.streets if each != sequence]
-        folder = OUT / sequence / "cliques"
-        self.learn(folder / "labels", others)
-        self.learn(folder, others, "--clique-config", "data/presets/calibrated_cliques.yaml",
-                   "--label-calibration", folder / "labels" / "without_{name}.yaml")
+    def learn(self):
+        say("calibration of the network")
+        calibrate.write([self.kitti / each for each in self.streets],
+                        OUT / "{name}" / "network_distributions", OUT / "{name}" / "truth",
+                        OUT / "calibration", label_set=LABEL_SET)
 
     def map(self, sequence, model):
         also = []
@@ -96,8 +88,7 @@ class Run:
         calibration = OUT / "calibration" / f"without_{sequence}.yaml"
         if not calibration.exists():
             calibration = OUT / "calibration" / "calibration.yaml"
-        options = models.MODELS[model][1].format(
-            calibration=calibration, cliques=OUT / sequence / "cliques" / "calibration.yaml")
+        options = models.MODELS[model][1].format(calibration=calibration)
         say(f"sequence {sequence}: {model}")
         tool("map", self.kitti / sequence, "--labels", OUT / sequence / "network_distributions",
              *also, *options.split(), "--output", OUT / sequence / model)
@@ -107,11 +98,7 @@ class Run:
             (OUT / sequence).mkdir(parents=True, exist_ok=True)
             self.label(sequence)
             self.truth(sequence)
-        say("calibration of the network")
-        self.learn(OUT / "calibration", self.streets)
-        if "calibrated_cliques" in which:
-            for sequence in sequences:
-                self.learn_cliques(sequence)
+        self.learn()
         for sequence in sequences:
             for model in which:
                 self.map(sequence, model)
@@ -169,7 +156,7 @@ class Run:
     def pictures(self, sequence):
         """Maps, changes and sheets; they stay untracked."""
         folder = OUT / sequence
-        subprocess.run(["doc/pictures.sh", folder / "calibrated_cliques", folder / "none",
+        subprocess.run(["doc/pictures.sh", folder / "calibrated_superpixel", folder / "none",
                         self.kitti / sequence / "image_2", folder / "truth",
                         folder / "pictures"], check=True)
 

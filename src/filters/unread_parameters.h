@@ -37,7 +37,7 @@ unreadParametersOfCRF(const std::string& model, const std::string& cliques)
        "crf",
        model,
        {"clique_free_label", "clique_truncation", "clique_update_from_members",
-        "clique_appearance_weight", "clique_calibration"}},
+        "clique_appearance_weight"}},
       {cliques.rfind("superpixel", 0) != 0,
        "cliques",
        cliques,

@@ -292,21 +292,18 @@ readSeen(const YamlMap& file, const LabelSet& label_set, LabelCalibration& calib
   seen.refuseUnknownKeys();
 }
 
-const Eigen::IOFormat yaml_list(std::numeric_limits<float>::max_digits10,
-                                Eigen::DontAlignCols, ", ", ", ", "", "", "[", "]");
-
 } // namespace
 
 LabelCalibration
-readCalibration(const std::string& path, const LabelSet& label_set,
-                const std::string& of)
+readCalibration(const std::string& path, const LabelSet& label_set)
 {
   const YamlMap file = YamlMap::load(path);
   LabelCalibration calibration = LabelCalibration::identity(label_set.size());
   calibration.fitted.assign(calibration.fitted.size(), false);
-  if (file.get("of", calibration.of) && calibration.of != of)
-    fail<BadInputException>(file.where("of"), ": is a calibration of '", calibration.of,
-                            "', expected of ", of);
+  std::string of = "pixels"; // earlier versions also calibrated cliques
+  if (file.get("of", of) && of != "pixels")
+    fail<BadInputException>(file.where("of"), ": is a calibration of '", of,
+                            "', expected of pixels");
   calibration.sharpness = static_cast<float>(file.require<double>("sharpness"));
   if (!(calibration.sharpness >= 0.0f))
     fail<BadInputException>(file.where("sharpness"), ": sharpness is ",
@@ -322,47 +319,6 @@ readCalibration(const std::string& path, const LabelSet& label_set,
   file.refuseUnknownKeys();
   readFrom(path, [&] { calibration.validate(); });
   return calibration;
-}
-
-std::string
-printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
-{
-  TextStream text;
-  text.precision(std::numeric_limits<float>::max_digits10);
-  if (!calibration.of.empty())
-    text << "of: " << calibration.of << "\n";
-  text << "sharpness: " << calibration.sharpness << "\nground: [";
-  for (std::size_t i = 0; i < calibration.ground.size(); ++i)
-    text << (i ? ", " : "") << label_set[calibration.ground[i]].name;
-  text << "]\nknots:" << (calibration.curves.empty() ? " {}\n" : "\n");
-  for (const ClassCurves& curves : calibration.curves)
-    text << "  " << nameOf(curves.feature) << ": "
-         << Eigen::Map<const Eigen::RowVectorXf>(curves.knots.data(),
-                                                 Eigen::Index(curves.knots.size()))
-                .format(yaml_list)
-         << "\n";
-  text << "classes:\n";
-  for (int l = 0; l < calibration.classes(); ++l) {
-    if (!calibration.fitted[std::size_t(l)])
-      continue;
-    text << "  " << label_set[Label(l + 1)].name
-         << ":\n    bias: " << calibration.bias[l] << "\n";
-    for (const ClassCurves& curves : calibration.curves)
-      text << "    " << nameOf(curves.feature) << ": "
-           << curves.values.row(l).format(yaml_list) << "\n";
-  }
-  if (!calibration.seen.empty())
-    text << "seen:\n  usual_distance: " << calibration.usual_distance << "\n";
-  for (std::size_t i = 0; i < calibration.seen.size(); ++i) {
-    const Eigen::MatrixXf& fractions = calibration.seen[i];
-    text << "  " << nameOf(calibration.curves[i].feature)
-         << (fractions.isZero(0.0f) ? ": {}\n" : ":\n");
-    for (Eigen::Index l = 0; l < fractions.rows(); ++l)
-      if (!fractions.row(l).isZero(0.0f))
-        text << "    " << label_set[Label(l + 1)].name << ": "
-             << fractions.row(l).format(yaml_list) << "\n";
-  }
-  return text.str();
 }
 
 } // namespace pcl_semantic

@@ -5,9 +5,9 @@
 
 namespace pcl_semantic {
 
-std::optional<Eigen::Hyperplane<double, 3>>
-frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-            const LabelDistributions& distributions, const std::vector<Label>& ground)
+std::vector<PointFeatures>
+frameFeatures(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+              const LabelDistributions& distributions, const std::vector<Label>& ground)
 {
   if (Eigen::Index(cloud.size()) != distributions.size())
     badParameter("frame features: ", distributions.size(), " distributions for ",
@@ -18,14 +18,7 @@ frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (const Label label : ground)
       is_ground[i] |= distributions.column(Eigen::Index(i))[label - 1] > sure;
-  return fitGroundPlane(cloud, is_ground);
-}
-
-std::vector<PointFeatures>
-frameFeatures(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-              const LabelDistributions& distributions, const std::vector<Label>& ground)
-{
-  return cloudFeatures(cloud, frameGround(cloud, distributions, ground));
+  return cloudFeatures(cloud, fitGroundPlane(cloud, is_ground));
 }
 
 } // namespace pcl_semantic

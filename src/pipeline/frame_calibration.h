@@ -2,28 +2,19 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/point_features.h>
 
-#include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include <optional>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Fits the ground before a camera to a frame's depths and labels: the plane of
- * fitGroundPlane() through points with a probability above 0.5 for a ground class.
- * \param[in] cloud organized, camera frame [m]
- * \param[in] distributions L x cloud.size()
- * \param[in] ground the classes of the ground
- * \throws InvalidParameterException if sizes do not fit */
-std::optional<Eigen::Hyperplane<double, 3>>
-frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-            const LabelDistributions& distributions, const std::vector<Label>& ground);
-
 /** \brief Computes the features of a frame's points: colour, and position relative to
- * frameGround(), if it is found.
+ * the ground, if it is found: the plane of fitGroundPlane() through points with a
+ * probability above 0.5 for a ground class.
  * \param[in] cloud organized, camera frame [m]
  * \param[in] distributions L x cloud.size()
  * \param[in] ground the classes of the ground

@@ -184,11 +184,8 @@ parametersOf(MapInputs& inputs)
        &inputs.model},
       {"engine", kEngineHelp, &inputs.engine},
       {"label_calibration",
-       "calibration of the label distributions, see pcl_semantic_calibrate (.yaml)",
+       "calibration of the label distributions, see doc/calibration.md (.yaml)",
        &inputs.label_calibration},
-      {"clique_calibration",
-       "calibration of the cliques, see pcl_semantic_calibrate --clique-config (.yaml)",
-       &inputs.clique_calibration},
       {"poses",
        "trajectory file (KITTI or TUM) or a source of poses: sequence = poses.txt of "
        "SEQUENCE, odometry = estimated from the images, viewpoint = VIEWPOINT of "

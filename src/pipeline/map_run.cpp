@@ -272,8 +272,6 @@ MapRun::makeMapper(std::shared_ptr<BlockStore> store)
       std::move(inputs_.predictor), std::move(store));
   if (inputs_.label_calibration)
     mapper_->setLabelCalibration(*inputs_.label_calibration);
-  if (inputs_.clique_calibration)
-    mapper_->setCliqueCalibration(*inputs_.clique_calibration);
   if (late)
     late_labels_.emplace(std::move(late), *mapper_);
 }

@@ -344,11 +344,7 @@ openInputs(const MapInputs& inputs, const MapperConfig& config,
   if (!inputs.label_calibration.empty())
     opened.label_calibration =
         readCalibration(inputs.label_calibration, opened.label_set);
-  if (!inputs.clique_calibration.empty())
-    opened.clique_calibration =
-        readCalibration(inputs.clique_calibration, opened.label_set, "cliques");
-  append(opened.values, {{"label_calibration", inputs.label_calibration},
-                         {"clique_calibration", inputs.clique_calibration}});
+  append(opened.values, {{"label_calibration", inputs.label_calibration}});
   return opened;
 }
 

@@ -96,19 +96,6 @@ SemanticMapper::setLabelCalibration(LabelCalibration calibration)
 }
 
 void
-SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
-{
-  if (config_.crf != CRFModelType::hierarchical)
-    badParameter("a clique calibration is for the model hierarchical");
-  if (!camera_)
-    badParameter("a clique calibration is for frames of a camera");
-  if (config_.network_every != 1 && !calibration.ground.empty())
-    badParameter("a clique calibration needs the labels of every frame to find the "
-                 "ground: expected network_every = 1");
-  cliques_->setCalibration(std::move(calibration));
-}
-
-void
 SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin,
                        std::optional<MapObjects> objects)
 {
@@ -240,15 +227,12 @@ SemanticMapper::fuse(MappedFrame& mapped)
   mapped.counts = times.measure("map", [&] { return integrate(mapped); });
   mapped.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
+  cliques_->setFrame(mapped.cloud, mapped.T_world_camera); // finish() may need it
   if (config_.crf != CRFModelType::unary && refined_)
     times.measure("crf", [&] {
-      cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
       refineVoxels(mapped.voxels);
       map_.setRefined(mapped.voxels, mapped.voxels.refined, config_.crf_write_back);
     });
-  else
-    // finish() may run the CRF with it.
-    cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
   if (objects_)
     times.measure("things", [&] {
       objects_->update(mapped.voxels, map_.window(), mapped.frame);
@@ -379,9 +363,7 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crf);
   if (config_.crf != CRFModelType::dense) {
-    const MapCliques::Result groups = cliques_->generate(voxels);
-    crf.setCliques(groups.cliques);
-    crf.setCliqueCosts(groups.costs);
+    crf.setCliques(cliques_->generate(voxels));
   }
   if (config_.crf_write_back)
     parameters.temperature = 1.0; // tempering would weaken the next prior

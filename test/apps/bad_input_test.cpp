@@ -143,9 +143,6 @@ TEST(BadInput, StoredLabels)
 // Sizes are compared before anything is decoded.
 TEST(BadInput, ImagesThatUnpackToGigabytes)
 {
-  const std::string calibrate =
-      "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
-      "'{sequence}/gt'";
   const auto huge = [](const std::string& name) {
     return [=](const std::string& street) { writeHugePng(street + "/" + name); };
   };
@@ -159,7 +156,6 @@ TEST(BadInput, ImagesThatUnpackToGigabytes)
   expectAllFail({
       {3, "000001.png: " + says, "--labels STREET/labels", huge("image_2/000001.png")},
       {3, "000001.png: " + says, "--labels STREET/gt", huge("gt/000001.png")},
-      {3, "000001.png: " + says, calibrate, huge("gt/000001.png")},
       {3, "000001.png: " + says, evaluate + "gt --truth STREET/other",
        withOther("gt/000001.png")},
       {3, "gt/000001.png: has 208 x 64 pixels, expected 30000 x 30000",

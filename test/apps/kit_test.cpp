@@ -76,8 +76,8 @@ exampleOf(const std::string& verb)
 const std::vector<std::string> verbs = [] {
   std::vector<std::string> all = {
       "synthesize", "map",    "evaluate", "crf",     "image_crf", "archive",
-      "odometry",   "stereo", "label",    "cliques", "render",    "calibrate",
-      "export",     "cloud",  "rgbd",     "fleet",   "live",      "things"};
+      "odometry",   "stereo", "label",    "cliques", "render",    "export",
+      "cloud",      "rgbd",   "fleet",    "live",    "things"};
   // It may have been left out, or have nothing to draw on.
   if (fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view") &&
       runShell("command -v xvfb-run").code == 0)
@@ -199,9 +199,8 @@ TEST(Help, ItsExamplesRunWhenPasted)
   for (const char* file :
        {"street/poses.txt", "map/map.pcd", "live_map/map.pcd",
         "evaluation/metrics.json", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
-        "disparity.png", "street_labelled/000001.pcd", "map.png", "grouped.pcd",
-        "coloured.pcd", "calibrated/calibration.yaml", "street.bt", "street.ply",
-        "street.yaml"})
+        "coloured.pcd", "street.bt", "street.ply", "disparity.png",
+        "street_labelled/000001.pcd", "map.png", "grouped.pcd", "street.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
   EXPECT_EQ(fs::exists(folder.path("view.png")), verbs.back() == "view");
 }

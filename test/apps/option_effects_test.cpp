@@ -89,13 +89,6 @@ const std::vector<Mode> modes = {
     {"export", "archive export IN/one.map OUT/map.pcd"},
     {"merge", "archive merge IN/one.map IN/two.map OUT/both.map"},
     {"changes", "archive changes IN/one.map IN/two.map OUT/changes.pcd"},
-    // One feature: it learns faster.
-    {"calibrate", "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-                  "'{sequence}/gt' --output OUT/calibrated --features height"},
-    {"--clique-config",
-     "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-     "'{sequence}/gt' --output OUT/calibrated --clique-config IN/cliques.yaml",
-     "clique.*|label.*|features|ground"},
     {"cubes", "cliques IN/map.pcd OUT/out.pcd --method cubes"},
     {"supervoxel", "cliques IN/map.pcd OUT/out.pcd --method supervoxel"},
     {"superpixel", "cliques IN/map.pcd OUT/out.pcd --method superpixel --frame "
@@ -163,17 +156,13 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"appearance-weight", {{"40"}}},
     {"archive", {{"OUT/own.map"}}},
     {"archive-every", {{"2"}, {"0", "--archive OUT/own.map"}}},
-    {"balance", {{"0.9"}}},
     {"below", {{"1"}}},
-    {"bias-penalty", {{"1"}}},
     {"box", {{"0,-5,-5,9,5,5"}}},
     {"calibration", {{"IN/street/calib.txt"}}},
     {"centres", {{""}}},
     {"class", {{"road"}}},
     {"clearing", {{"full", "--voxel-size 0.1 --hit-probability 0.55"}}},
     {"clique-appearance-weight", {{"30"}, {"30", "--clique-weight 9"}}},
-    {"clique-calibration", {{"IN/clique_calibration.yaml"}}},
-    {"clique-config", {{"IN/cliques.yaml"}}},
     {"clique-exclude", {{"road"}}},
     {"clique-free-label", {{"false"}, {"false", "--clique-weight 9"}}},
     {"clique-truncation", {{"0.9"}, {"0.9", "--clique-weight 9"}}},
@@ -202,7 +191,6 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"crf-normalization", {{"none"}}},
     {"crf-temperature", {{"9"}, {"9", "--refined OUT/refined.bin"}}},
     {"crop", {{"0,-5,-5,9,5,5"}}},
-    {"curve-penalty", {{"1"}}},
     {"depth-scale", {{"700"}}},
     {"deviation-scale", {{"1"}}},
     {"disparities", {{"64"}}},
@@ -210,7 +198,6 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"drop", {{"road"}}},
     {"print-config", {{""}}},
     {"extrinsics", {{"IN/own/extrinsics.yaml"}}},
-    {"features", {{"none"}}},
     {"odometry features", {{"40"}}},
     {"files", {{"IN/two.map"}}},
     {"format", {{"ids"}}},
@@ -294,7 +281,6 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"seed", {{"9"}}},
     {"sensor", {{"own"}, {"grey"}}},
     {"sensor-pose", {{"IN/sensor_pose.txt"}}},
-    {"shrinkage", {{"0"}}},
     {"size", {{"280x160"}}},
     {"smoothness-deviation", {{"0.9"}}},
     {"smoothness-weight", {{"60"}}},
@@ -448,7 +434,6 @@ makeInputs(const std::string& in)
 {
   const std::string street = in + "/street";
   copyStreet(street);
-  copyStreet(in + "/street2");
   makeRgbd(street);
   writeOwnCamera(in + "/own");
   for (const auto& [name, side] :
@@ -464,7 +449,6 @@ makeInputs(const std::string& in)
   write("mapping.yaml", mapping);
   write("config.yaml", "crf_temperature: 9\nsmoothness_weight: 60\n");
   write("no_things.yaml", replaceAll(set, ", thing: true", ""));
-  write("cliques.yaml", "crf: hierarchical\ncliques: cubes:1\nvoxel_size: 0.25\n");
   write("mast_set.yaml", replaceAll(set, "pole", "mast"));
   write("twelve_set.yaml", set + "  - {name: bridge, colour: [9, 9, 9]}\n");
   write("unknown_key.yaml", "speed: 3\n");
@@ -511,15 +495,9 @@ makeInputs(const std::string& in)
   for (const char* const name : {"000000.pcd", "000001.pcd", "000002.pcd"})
     dropProbabilities(in + "/clouds/" + name, in + "/labelled/" + name);
   dropProbabilities(in + "/map.pcd", in + "/labels.pcd");
-  for (const auto& [options, name] :
-       {std::pair("--features height", "/calibration.yaml"),
-        {"--features extent --clique-config IN/cliques.yaml",
-         "/clique_calibration.yaml"}}) {
-    run(in, "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-            "'{sequence}/gt' --output IN/calibrated " +
-                std::string(options));
-    fs::rename(in + "/calibrated/calibration.yaml", in + name);
-  }
+  std::ofstream(in + "/calibration.yaml")
+      << "sharpness: 0.5\nground: [road]\nknots:\n  height: [0, 2]\nclasses:\n"
+         "  road:\n    height: [1, -1]\n  building:\n    bias: 0.5\n";
 }
 
 const std::string&

@@ -244,12 +244,6 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
     EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
   }
-  expectBadParameter("expected network_every = 1", [&] {
-    config.crf = CRFModelType::hierarchical;
-    LabelCalibration calibration;
-    calibration.ground = {1};
-    makeMapper(config).setCliqueCalibration(calibration);
-  });
 }
 
 // The predictions of a frame arrive late.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/labelling/calibration_fit.h>
+#include <pcl_semantic/labelling/label_calibration.h>
 
 #include <cmath>
 #include <limits>
@@ -64,15 +64,6 @@ plainCalibrate(const LabelCalibration& calibration, const LabelDistributions& ne
   return result;
 }
 
-inline std::vector<Feature>
-everyFeature()
-{
-  std::vector<Feature> features;
-  for (std::size_t f = 0; f < feature_count; ++f)
-    features.push_back(Feature(f));
-  return features;
-}
-
 /** \brief Distributions from uniform to certain, with probabilities down to 1e-9. */
 inline LabelDistributions
 randomNetwork(int classes, Eigen::Index count, unsigned seed)
@@ -84,20 +75,26 @@ randomNetwork(int classes, Eigen::Index count, unsigned seed)
                             }).eval());
 }
 
-/** \brief Features within and beyond the knots; one in ten of each is unknown. */
+/** \brief Features within and beyond the knots of randomCalibration(); one in ten of
+ * each is unknown. */
 inline std::vector<PointFeatures>
 randomFeatures(std::size_t count, unsigned seed)
 {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> chance(0.0f, 1.0f);
+  const std::array<std::pair<float, float>, feature_count> ranges{{{-1.0f, 5.5f},
+                                                                   {2.0f, 44.0f},
+                                                                   {-0.1f, 1.1f},
+                                                                   {-2.0f, 22.0f},
+                                                                   {0.0f, 1.0f},
+                                                                   {0.2f, 0.5f},
+                                                                   {0.2f, 0.5f}}};
   std::vector<PointFeatures> points(count);
   for (PointFeatures& features : points)
-    for (const auto& [feature, knots] : streetKnots(everyFeature())) {
-      const float beyond = 0.1f * (knots.back() - knots.front());
-      std::uniform_real_distribution<float> value(knots.front() - beyond,
-                                                  knots.back() + beyond);
+    for (std::size_t f = 0; f < feature_count; ++f) {
+      std::uniform_real_distribution<float> value(ranges[f].first, ranges[f].second);
       if (chance(random) > 0.1f)
-        features[feature] = value(random);
+        features[Feature(f)] = value(random);
     }
   return points;
 }

@@ -13,21 +13,19 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Features that separate classes independently of a network. */
 enum class Feature {
-  height,     ///< above the ground; mean of a clique [m]
+  height,     ///< above the ground [m]
   distance,   ///< along the optical axis [m]
   level,      ///< |cosine| between surface normal and ground normal; 1 = floor, 0 =
               ///< wall
   side,       ///< lateral distance from the camera, along the ground [m]
-  lowest,     ///< height of the lowest member of a clique [m]
-  extent,     ///< from the lowest member of a clique to the highest [m]
   brightness, ///< mean of red, green and blue, 0 to 1
   red,        ///< red / (red + green + blue)
   green,      ///< green / (red + green + blue)
 };
 
 /// Names of the features, in the order of the enumeration.
-constexpr std::array feature_names{"height", "distance",   "level", "side", "lowest",
-                                   "extent", "brightness", "red",   "green"};
+constexpr std::array feature_names{"height",     "distance", "level", "side",
+                                   "brightness", "red",      "green"};
 
 constexpr std::size_t feature_count = feature_names.size();
 
@@ -46,7 +44,7 @@ findFeature(const std::string& name)
   return {};
 }
 
-/** \brief The features of a pixel or a clique; NaN = unknown. */
+/** \brief The features of a pixel; NaN = unknown. */
 class PointFeatures {
 public:
   PointFeatures() { values_.fill(std::numeric_limits<float>::quiet_NaN()); }

@@ -31,9 +31,8 @@ struct ClassCurves {
  * Sharpness s and bias b_l are those of vector scaling with one temperature 1 / s (Guo
  * et al. 2017, "On calibration of modern neural networks"). f_lz are curves over the
  * features. A class without a fit keeps its probability. The fitted classes share the
- * remaining probability. fitCalibration() fits a calibration to ground truth. */
+ * remaining probability. python/lab/calibrate.py learns a calibration. */
 struct LabelCalibration {
-  std::string of;                  ///< "pixels" or "cliques"; empty = either
   std::vector<bool> fitted;        ///< per class: true if it was fitted
   std::vector<Label> ground;       ///< classes of the ground
   float sharpness = 1.0f;          ///< s
@@ -99,16 +98,7 @@ double domainShift(const LabelCalibration& calibration,
 
 /** \brief Reads a calibration from a YAML file with classes by name (doc/formats.md).
  * \param[in] label_set the classes that the file may name
- * \param[in] of required kind: "pixels" or "cliques". A file that states no kind is
- * accepted
- * \throws BadInputException that names file and line, if the file is invalid or of
- * another kind */
-LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set,
-                                 const std::string& of = "pixels");
-
-/** \brief Returns a calibration as YAML text for readCalibration(). The numbers are
- * exact. */
-std::string printCalibration(const LabelCalibration& calibration,
-                             const LabelSet& label_set);
+ * \throws BadInputException that names file and line, if the file is invalid */
+LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set);
 
 } // namespace pcl_semantic

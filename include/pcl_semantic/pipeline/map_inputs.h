@@ -28,10 +28,10 @@ struct MapInputs {
   std::string label_set;    ///< file of the classes (.yaml); empty = KITTI's 11 classes
   /// Mapping from the numbers in label files to labels; empty = the numbers are labels.
   std::string label_mapping;
-  std::string network; ///< description (.yaml), instead of labels
-  std::string model;   ///< network (.onnx); empty = from the description
-  std::string engine;  ///< engine of the network, see parseEngine()
-  std::string label_calibration, clique_calibration; ///< see readCalibration()
+  std::string network;           ///< description (.yaml), instead of labels
+  std::string model;             ///< network (.onnx); empty = from the description
+  std::string engine;            ///< engine of the network, see parseEngine()
+  std::string label_calibration; ///< see readCalibration()
   /// Source of the poses: a trajectory file; `sequence` (the sequence's trajectory);
   /// `odometry`; `viewpoint` (the viewpoint in each cloud's file); or `auto`.
   /// `auto` uses the sequence's trajectory if it exists, else odometry.

@@ -44,7 +44,7 @@ struct OpenedInputs {
   std::unique_ptr<LabelPredictor> predictor; ///< null: labels are part of the clouds
   bool labels_are_stored = true;             ///< false: from a network
   bool has_odometry = false;                 ///< poses are estimated from the images
-  std::optional<LabelCalibration> label_calibration, clique_calibration;
+  std::optional<LabelCalibration> label_calibration;
   std::string name;                       ///< for messages
   NamedValues values;                     ///< all that affects the map, for its archive
   std::function<ScanReader()> scans;      ///< opens the scans; null = none

@@ -146,16 +146,6 @@ public:
    * the map's classes, or there is no camera */
   void setLabelCalibration(LabelCalibration calibration);
 
-  /** \brief Sets a calibration that computes the cost psi_c(l) of a clique, eq. (7),
-   * from features of the clique. Without it, the cost is the mean cost of the members.
-   * \throws InvalidParameterException if the calibration is invalid or does not have
-   * the map's classes
-   * \throws InvalidParameterException unless the model is hierarchical and there is a
-   * camera
-   * \throws InvalidParameterException if the calibration needs the ground and
-   * `network_every` is not 1 */
-  void setCliqueCalibration(LabelCalibration calibration);
-
   /** \brief Processes one frame: computes the pose, the cloud and the labels, adds them
    * to the map, and runs the CRF.
    * \throws BadInputException or BadModelException that names the frame, also if a
