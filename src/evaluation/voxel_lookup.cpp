@@ -5,7 +5,7 @@
 #include "core/fail.h"
 #include "core/label_number.h"
 #include "map/ray_traversal.h"
-#include "pictures/cube_renderer.h"
+#include "pictures/splat_renderer.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
 
@@ -190,21 +190,14 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
   if (!voxels.cloud || voxels.cloud->size() != voxels.size())
     badParameter("the voxels have ", voxels.size(), " indices, their cloud ",
                  (voxels.cloud ? voxels.cloud->size() : 0), " points");
-  std::vector<Eigen::Array3f> surface(voxels.size());
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const Eigen::Vector3f from_centre =
-        (*voxels.cloud)[i].getVector3fMap() - voxels.centre(i);
-    surface[i] = from_centre.array() / float(voxels.voxel_size) + 0.5f;
-  }
-  const CubeImage cubes = renderCubes(voxels.indices, voxels.voxel_size, camera,
-                                      T_world_camera, max_depth, surface);
+  const SplatImage splats = renderSplats(voxels, camera, T_world_camera, max_depth);
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
-  cubes.depth.convertTo(result.depth, CV_32FC1);
-  result.indices = cubes.voxel;
+  result.depth = splats.depth;
+  result.indices = splats.voxel;
   for (int row = 0; row < camera.height; ++row)
     for (int column = 0; column < camera.width; ++column) {
-      const int voxel = cubes.voxel.at<int>(row, column);
+      const int voxel = splats.voxel.at<int>(row, column);
       if (voxel >= 0)
         result.labels.at<std::uint8_t>(row, column) =
             requireLabel((*voxels.cloud)[std::size_t(voxel)].label);

@@ -17,9 +17,7 @@ namespace pcl_semantic {
 namespace {
 
 constexpr double near_plane = 0.1; ///< [m]
-// Distance of drawn faces from the surface [voxels]; measured, see doc/map.md.
-constexpr double half_depth = 0.2;
-constexpr int rows_of_band = 16; ///< image rows per task of a thread
+constexpr int rows_of_band = 16;   ///< image rows per task of a thread
 
 /** \brief The pixels that a cube may cover, borders included. */
 struct Footprint {
@@ -35,8 +33,6 @@ struct View {
   const StereoCamera& camera;
   Eigen::Isometry3d T_world_camera;
   double max_depth;
-  const std::vector<Eigen::Array3f>& surface; ///< position in each voxel; empty: whole
-                                              ///< cubes
 
   /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper
    * corner is bit-identical to the lower one of the next voxel, so there are no cracks.
@@ -108,39 +104,10 @@ isHidden(const View& view, const VoxelIndex& voxel, double min_z,
   return true;
 }
 
-/** \brief Whether the surrounding voxels hide a cube even if their free faces are
- * inset: the faces between them are not. */
-bool
-isEnclosed(const VoxelIndex& voxel, VoxelSet::Reader& reader)
-{
-  for (int z = -1; z <= 1; ++z)
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-        if (!reader.contains(voxel + VoxelIndex(x, y, z)))
-          return false;
-  return true;
-}
-
-/** \brief The faces of a cube without a neighbour, one bit each; the lower end of an
- * axis comes before the upper one. */
-std::uint8_t
-freeFaces(const VoxelIndex& voxel, VoxelSet::Reader& reader)
-{
-  int faces = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int end = 0; end < 2; ++end) {
-      VoxelIndex neighbour = voxel;
-      neighbour[axis] += end == 0 ? -1 : 1;
-      faces |= int(!reader.contains(neighbour)) << (2 * axis + end);
-    }
-  return static_cast<std::uint8_t>(faces);
-}
-
 /** \brief The footprint of every voxel, and the voxels that reach into each band of
  * rows. */
 struct Plan {
   std::vector<Footprint> footprints;
-  std::vector<std::uint8_t> free_faces; ///< empty if they are not inset
   std::vector<std::vector<std::uint32_t>> bands;
 };
 
@@ -151,8 +118,6 @@ planOf(const View& view)
   const VoxelSet set(view.voxels);
   Plan plan;
   plan.footprints.resize(view.voxels.size());
-  if (!view.surface.empty())
-    plan.free_faces.resize(view.voxels.size());
   plan.bands.resize((view.camera.height + rows_of_band - 1) / rows_of_band);
 #pragma omp parallel
   {
@@ -164,11 +129,8 @@ planOf(const View& view)
       if (footprint.first_row > footprint.last_row ||
           footprint.first_column > footprint.last_column)
         continue;
-      if (isHidden(view, view.voxels[i], footprint.min_z, reader) &&
-          (view.surface.empty() || isEnclosed(view.voxels[i], reader)))
+      if (isHidden(view, view.voxels[i], footprint.min_z, reader))
         footprint.last_row = -1;
-      else if (!view.surface.empty())
-        plan.free_faces[i] = freeFaces(view.voxels[i], reader);
     }
   }
   for (std::size_t i = 0; i < plan.footprints.size(); ++i) {
@@ -206,20 +168,11 @@ public:
   }
 
   void
-  draw(const Footprint& footprint, std::uint32_t voxel, int free_faces)
+  draw(const Footprint& footprint, std::uint32_t voxel)
   {
     const VoxelIndex& index = view_.voxels[voxel];
-    Eigen::Vector3d lower = view_.lowerCorner(index);
-    Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
-    for (int axis = 0; axis < 3; ++axis) {
-      const double base = lower[axis];
-      if (free_faces >> (2 * axis) & 1)
-        lower[axis] = base + view_.voxel_size *
-                                 std::max(surfaceOf(voxel, axis) - half_depth, 0.0);
-      if (free_faces >> (2 * axis + 1) & 1)
-        upper[axis] = base + view_.voxel_size *
-                                 std::min(surfaceOf(voxel, axis) + half_depth, 1.0);
-    }
+    const Eigen::Vector3d lower = view_.lowerCorner(index);
+    const Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
     const int last_row = std::min(footprint.last_row, end_row_ - 1);
     for (int row = std::max(footprint.first_row, first_row_); row <= last_row; ++row)
       for (int column = footprint.first_column; column <= footprint.last_column;
@@ -250,12 +203,6 @@ public:
   }
 
 private:
-  double
-  surfaceOf(std::uint32_t voxel, int axis) const
-  {
-    return double(view_.surface[voxel][axis]);
-  }
-
   std::size_t
   pixelOf(int row, int column) const
   {
@@ -296,8 +243,7 @@ renderBand(const View& view, Plan& plan, std::size_t number, CubeImage& result)
     return z_a != z_b ? z_a < z_b : a < b;
   });
   for (const std::uint32_t voxel : voxels)
-    band.draw(plan.footprints[voxel], voxel,
-              plan.free_faces.empty() ? 0 : plan.free_faces[voxel]);
+    band.draw(plan.footprints[voxel], voxel);
   band.copyTo(result);
 }
 
@@ -311,9 +257,6 @@ validate(const View& view)
   view.camera.validate();
   if (view.camera.width <= 0 || view.camera.height <= 0)
     badParameter("the camera has no image size");
-  if (!view.surface.empty() && view.surface.size() != view.voxels.size())
-    badParameter("there are surfaces in ", view.surface.size(), " voxels, expected ",
-                 view.voxels.size());
   if (!(view.max_depth > 0.0))
     badParameter("largest depth is ", view.max_depth, " m, expected more than 0");
 }
@@ -323,9 +266,9 @@ validate(const View& view)
 CubeImage
 renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
             const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
-            double max_depth, const std::vector<Eigen::Array3f>& surface)
+            double max_depth)
 {
-  const View view{voxels, voxel_size, camera, T_world_camera, max_depth, surface};
+  const View view{voxels, voxel_size, camera, T_world_camera, max_depth};
   validate(view);
   Plan plan = planOf(view);
   CubeImage result;

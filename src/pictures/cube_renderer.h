@@ -32,18 +32,13 @@ struct CubeImage {
  * \param[in] voxel_size edge of a voxel [m]
  * \param[in] camera pinhole with its image size
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
- * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
+ * \param[in] max_depth largest camera z of a rendered face [m]; may be
  * infinite
- * \param[in] surface position of the surface in each voxel, 0..1 along each axis, or
- * empty for whole cubes. A face without a neighbour is drawn 0.2 voxels from the
- * surface, inside its cube, because whole cubes are thicker than the surfaces they
- * represent
  * \return images of height x width
  * \throws InvalidParameterException unless voxel size, image size and \a max_depth are
- * positive, and \a surface is empty or has one entry per voxel */
+ * positive */
 CubeImage renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
                       const StereoCamera& camera,
-                      const Eigen::Isometry3d& T_world_camera, double max_depth,
-                      const std::vector<Eigen::Array3f>& surface = {});
+                      const Eigen::Isometry3d& T_world_camera, double max_depth);
 
 } // namespace pcl_semantic

@@ -148,7 +148,7 @@ ExtraOutput::path(const std::string& name, int frame, const char* extension) con
 }
 
 void
-ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const
+ExtraOutput::writeFrame(const MappedFrame& mapped) const
 {
   const int frame = mapped.frame.number;
   if (options_.depth)
@@ -157,8 +157,8 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
     return;
   const MapLabels labels(mapped.voxels);
   if (options_.measured && camera_) {
-    writePng(path("measured_labels", frame, ".png"),
-             labelsAt(rendered.indices, labels.measured));
+    writeMeasured("measured_labels", frame, mapped.voxels, labels.measured,
+                  mapped.T_world_camera);
     writePng(path("measured_labels_at_depth", frame, ".png"),
              labelsAt(indicesAtDepth(*mapped.cloud, mapped.T_world_camera, labels),
                       labels.measured));
@@ -174,15 +174,32 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
 
 void
 ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
-                        const MapLabels& labels, const RenderedLabels& rendered) const
+                        const VoxelCloud& voxels, const MapLabels& labels) const
 {
   if (options_.measured && camera_)
-    writePng(path("final_measured_labels", frame, ".png"),
-             labelsAt(rendered.indices, labels.measured));
+    writeMeasured("final_measured_labels", frame, voxels, labels.measured,
+                  T_world_camera);
   if (options_.depth)
     writeFinalAtDepth(frame, T_world_camera, labels);
   if (options_.scan)
     writeScan(frame, options_.scan(frame), T_world_camera, labels, "final_");
+}
+
+void
+ExtraOutput::writeMeasured(const std::string& name, int frame, const VoxelCloud& voxels,
+                           const std::vector<Label>& measured,
+                           const Eigen::Isometry3d& T_world_camera) const
+{
+  VoxelCloud labelled; // without distributions, which are large
+  labelled.cloud = voxels.cloud->makeShared();
+  labelled.indices = voxels.indices;
+  labelled.observations = voxels.observations;
+  labelled.voxel_size = voxels.voxel_size;
+  labelled.origin = voxels.origin;
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    (*labelled.cloud)[i].label = measured[i];
+  writePng(path(name, frame, ".png"),
+           renderLabels(labelled, *camera_, T_world_camera, max_depth_).labels);
 }
 
 void

@@ -48,14 +48,14 @@ public:
   static void removeEarlier(const std::string& folder, const std::vector<int>& kept);
 
   /** \brief Writes the files of a frame.
-   * \param[in] rendered the map at that frame; unused without a camera
    * \throws BadInputException if its scan is missing or damaged */
-  void writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const;
+  void writeFrame(const MappedFrame& mapped) const;
 
   /** \brief Writes the files of a frame in the finished map.
+   * \param[in] labels of \a voxels
    * \throws BadInputException if its scan or depth image is missing or damaged */
   void writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
-                  const MapLabels& labels, const RenderedLabels& rendered) const;
+                  const VoxelCloud& voxels, const MapLabels& labels) const;
 
   /** \brief Whether writeFinal() needs MapLabels. */
   bool
@@ -74,6 +74,11 @@ private:
   void writePoints(int frame, const std::vector<std::int32_t>& indices,
                    const MapLabels& labels, const std::string& prefix,
                    const std::string& name) const;
+
+  // Renders the labels before the CRF.
+  void writeMeasured(const std::string& name, int frame, const VoxelCloud& voxels,
+                     const std::vector<Label>& measured,
+                     const Eigen::Isometry3d& T_world_camera) const;
 
   // Voxels at the points of an organized cloud in the camera frame; VoxelLookup::none
   // without depth.

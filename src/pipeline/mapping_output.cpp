@@ -162,7 +162,7 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   if (has_images_)
     writeImages(mapped, map);
   else
-    extra_->writeFrame(mapped, RenderedLabels());
+    extra_->writeFrame(mapped);
   frames_.push_back(recordOf(mapped));
 }
 
@@ -179,7 +179,7 @@ MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& ma
   writePng(path("network_labels" + name), networkLabels(mapped));
   writePng(path("overlay" + name),
            drawOverlay(mapped.image, rendered.labels, run_.label_set));
-  extra_->writeFrame(mapped, rendered);
+  extra_->writeFrame(mapped);
 }
 
 void
@@ -246,14 +246,12 @@ MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
   const MapLabels labels(extra_->needsFinalLabels() ? voxels : no_voxels);
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
-    RenderedLabels rendered;
-    if (has_images_) {
-      rendered =
-          renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
-      writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
-               rendered.labels);
-    }
-    extra_->writeFinal(frame.number, T_world_camera, labels, rendered);
+    if (has_images_)
+      writePng(
+          path("final_labels/" + frameFileName(frame.number, ".png")),
+          renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range)
+              .labels);
+    extra_->writeFinal(frame.number, T_world_camera, voxels, labels);
   }
 }
 

@@ -7,7 +7,10 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 #include <set>
 
@@ -44,8 +47,8 @@ makeVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
   return voxels;
 }
 
-/** \brief All voxels for each pixel, by where the ray crosses the faces, of which those
- * with no voxel on their other side lie 0.2 voxels from the point. */
+/** \brief The rule of renderSplats() for each pixel and all voxels, in double
+ * precision. Pixels whose classes are nearly even get a depth of -1. */
 RenderedLabels
 bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, double max_depth)
@@ -53,48 +56,65 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
   RenderedLabels result{cv::Mat::zeros(camera.height, camera.width, CV_8UC1),
                         cv::Mat::zeros(camera.height, camera.width, CV_32FC1),
                         cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1))};
-  const double size = voxels.voxel_size;
-  const std::set<VoxelIndex, VoxelIndexLess> set(voxels.indices.begin(),
-                                                 voxels.indices.end());
+  const double radius = 0.7 * voxels.voxel_size;
+  std::map<double, std::size_t> by_depth; // voxels in view
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Eigen::Vector3d point = (*voxels.cloud)[i].getVector3fMap().cast<double>();
+    const double z = (pose.inverse() * point).z();
+    if (z - radius >= 0.1 && z <= max_depth)
+      by_depth[z] = i;
+  }
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d origin = pose.translation();
-      const Eigen::Vector3d ray = pose.linear() * camera.unproject(u, v, 1.0);
-      double nearest = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < voxels.size(); ++i) {
-        const Eigen::Vector3d lower = voxels.indices[i].cast<double>() * size;
-        bool too_near = false;
-        for (int corner = 0; corner < 8; ++corner) {
-          const Eigen::Vector3d offset(corner & 1, corner >> 1 & 1, corner >> 2);
-          too_near = too_near || (pose.inverse() * (lower + size * offset)).z() < 0.1;
-        }
-        if (too_near)
+      const Eigen::Vector3d ray =
+          pose.linear() * camera.unproject(u, v, 1.0).normalized();
+      double light = 1.0, first = std::numeric_limits<double>::infinity();
+      bool is_close_call = false;
+      std::map<std::uint32_t, double> sums;
+      std::map<std::uint32_t, std::pair<double, std::size_t>> best;
+      for (const auto& [z, i] : by_depth) {
+        const Eigen::Vector3d offset =
+            (*voxels.cloud)[i].getVector3fMap().cast<double>() - pose.translation();
+        const double distance = (offset - offset.dot(ray) * ray).norm();
+        const double scans = voxels.observations.empty() ? 1 : voxels.observations[i];
+        const double inside =
+            std::max(1.0 - distance * distance / (radius * radius), 0.0);
+        const double opacity =
+            scans * scans / (scans * scans + 2.0) * std::pow(inside, 3.0);
+        for (const double limit : {0.01, 0.05})
+          is_close_call |= std::abs(opacity - limit) < 1e-5;
+        if (!(opacity > 0.01) || z > first + 1.0)
           continue;
-        Eigen::Vector3d begin = lower, end = lower.array() + size;
-        for (int axis = 0; axis < 3; ++axis) {
-          const VoxelIndex step = VoxelIndex::Unit(axis);
-          const double surface = double((*voxels.cloud)[i].data[axis]);
-          if (!set.count(voxels.indices[i] - step))
-            begin[axis] = std::max(begin[axis], surface - 0.2 * size);
-          if (!set.count(voxels.indices[i] + step))
-            end[axis] = std::min(end[axis], surface + 0.2 * size);
-        }
-        for (int axis = 0; axis < 3; ++axis)
-          for (const double plane : {begin[axis], end[axis]}) {
-            const double depth = (plane - origin[axis]) / ray[axis];
-            const Eigen::Vector3d at = origin + depth * ray;
-            const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-            if (depth > 0.0 && depth <= max_depth && depth < nearest &&
-                at[b] >= begin[b] && at[b] < end[b] && at[c] >= begin[c] &&
-                at[c] < end[c]) {
-              nearest = depth;
-              result.labels.at<Label>(v, u) =
-                  static_cast<Label>(voxels.cloud->points[i].label);
-              result.depth.at<float>(v, u) = static_cast<float>(depth);
-              result.indices.at<std::int32_t>(v, u) = static_cast<std::int32_t>(i);
-            }
-          }
+        if (opacity > 0.05)
+          first = std::min(first, z);
+        const std::uint32_t label = (*voxels.cloud)[i].label;
+        sums[label] += light * opacity;
+        if (light * opacity > best[label].first)
+          best[label] = {light * opacity, i};
+        light -= light * opacity;
       }
+      if (std::isinf(first) && !is_close_call)
+        continue;
+      std::uint32_t winner = 0;
+      double most = 0.0, second = 0.0;
+      for (const auto& [label, sum] : sums)
+        if (label > 0 && sum > most) {
+          second = most;
+          most = sum;
+          winner = label;
+        }
+        else if (label > 0)
+          second = std::max(second, sum);
+      if (is_close_call || most - second < 1e-5) {
+        result.depth.at<float>(v, u) = -1.0f;
+        continue;
+      }
+      const std::size_t shown = best[winner].second;
+      result.labels.at<Label>(v, u) = Label(winner);
+      result.indices.at<std::int32_t>(v, u) = std::int32_t(shown);
+      result.depth.at<float>(v, u) = float(
+          (pose.inverse() * (*voxels.cloud)[shown].getVector3fMap().cast<double>())
+              .z());
     }
   return result;
 }
@@ -102,9 +122,10 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
 void
 expectEqual(const RenderedLabels& result, const RenderedLabels& expected)
 {
-  EXPECT_EQ(cv::countNonZero(result.labels != expected.labels), 0);
-  EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
-  EXPECT_EQ(cv::countNonZero(result.indices != expected.indices), 0);
+  const cv::Mat is_sure = expected.depth >= 0.0f;
+  EXPECT_LT(cv::countNonZero(expected.depth < 0.0f), 20);
+  EXPECT_EQ(cv::countNonZero((result.labels != expected.labels) & is_sure), 0);
+  EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF, is_sure), 1e-5);
 }
 
 /** \brief A camera that looks along the world's x axis, z up. */
@@ -130,6 +151,8 @@ TEST(RenderLabels, EqualsBruteForceFromAnywhere)
   for (auto& point : *voxels.cloud)
     for (int axis = 0; axis < 3; ++axis)
       point.data[axis] += float(0.099 * number(random)); // anywhere in its voxel
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    voxels.observations.push_back(1 + random() % 9);
   for (int trial = 0; trial < 12; ++trial) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     const Eigen::Vector4d turn(number(random), number(random), number(random), 0.2);
@@ -164,52 +187,58 @@ TEST(RenderLabels, DoesNotDependOnTheOrderOfVoxels)
   EXPECT_EQ(cv::countNonZero(one.depth != other.depth), 0);
 }
 
-TEST(RenderLabels, FreeFacesLieAroundTheSurfaceAndSharedOnesStay)
+// A pole before a wall: half-transparent where it is thin, and outvoted at its border.
+TEST(RenderLabels, ClassesVoteAndTheVoxelWithTheLargestWeightIsShown)
 {
   StereoCamera camera = smallCamera();
   camera.cx = 32.0;
   camera.cy = 20.0;
-  camera.fx = camera.fy = 40.0;
-  const auto labelAt = [&](const std::vector<VoxelIndex>& voxels, int v, int u) {
-    return int(renderLabels(makeVoxels(voxels, 1.0), camera, forwardPose(), 40.0)
-                   .labels.at<Label>(v, u));
+  camera.fx = camera.fy = 100.0;
+  VoxelCloud voxels = makeVoxels({{40, 0, 0}, {43, 0, 0}, {45, 0, 0}, {56, 0, 0}}, 0.1);
+  for (pcl::PointXYZRGBL& point : *voxels.cloud)
+    point.y = point.z = 0.0f; // along the ray of the pixel in the middle
+  const auto shown = [&] {
+    const RenderedLabels seen = renderLabels(voxels, camera, forwardPose(), 40.0);
+    return std::pair(int(seen.labels.at<Label>(20, 32)),
+                     seen.indices.at<std::int32_t>(20, 32));
   };
-  // A cube of 1 m from 4 m on, y 0..1 (left) and z 0..1 (up), that is seen as 0.3..0.7
-  // from 4.3 m on: columns 26 to 29, rows 14 to 17.
-  const std::vector<VoxelIndex> one = {{4, 0, 0}};
-  for (const int u : {26, 29})
-    EXPECT_EQ(labelAt(one, 15, u), 1) << u;
-  for (const int u : {25, 30})
-    EXPECT_EQ(labelAt(one, 15, u), 0) << u;
-  for (const int v : {14, 17})
-    EXPECT_EQ(labelAt(one, v, 28), 1) << v;
-  for (const int v : {13, 18})
-    EXPECT_EQ(labelAt(one, v, 28), 0) << v;
-  EXPECT_EQ(renderLabels(makeVoxels(one, 1.0), camera, forwardPose(), 40.0)
-                .depth.at<float>(15, 28),
-            4.3f);
-  // With another one to its left, y 0.3..1.7: columns 17 to 29, no gap between them.
-  const std::vector<VoxelIndex> two = {{4, 0, 0}, {4, 1, 0}};
-  EXPECT_EQ(labelAt(two, 15, 16), 0);
-  for (int u = 17; u <= 22; ++u)
-    EXPECT_EQ(labelAt(two, 15, u), 2) << u;
-  for (int u = 23; u <= 29; ++u)
-    EXPECT_EQ(labelAt(two, 15, u), 1) << u;
+  const auto setLabels = [&](std::array<std::uint32_t, 4> labels) {
+    for (std::size_t i = 0; i < 4; ++i)
+      (*voxels.cloud)[i].label = labels[i];
+  };
+  // Weights 0.33, 0.22, 0.15; the last is more than 1 m behind the first.
+  setLabels({1, 2, 3, 2});
+  EXPECT_EQ(shown(), std::pair(1, 0));
+  setLabels({1, 2, 2, 1});
+  EXPECT_EQ(shown(), std::pair(2, 1));
+  voxels.observations = {2, 2, 1, 9}; // 0.67, 0.22, 0.04
+  EXPECT_EQ(shown(), std::pair(1, 0));
+  (*voxels.cloud)[0].y = 0.05f; // 0.12 of its opacity
+  EXPECT_EQ(shown(), std::pair(2, 1));
+  voxels.observations.clear();
+  setLabels({0, 0, 3, 4}); // the unlabelled ones do not win
+  EXPECT_EQ(shown(), std::pair(3, 2));
+  setLabels({0, 0, 0, 4});
+  EXPECT_EQ(shown().first, 0);
+  EXPECT_GE(shown().second, 0);
 }
 
 TEST(RenderLabels, DepthLimitsAndFarFromTheOrigin)
 {
   Eigen::Isometry3d pose = forwardPose();
   const auto seen = [&](const VoxelIndex& voxel, double max_depth) {
-    return cv::countNonZero(
-        renderLabels(makeVoxels({voxel}, 0.1), smallCamera(), pose, max_depth).depth);
+    VoxelCloud voxels = makeVoxels({voxel}, 0.1);
+    voxels.origin = centreOf(voxel, 0.1);
+    voxels.moveToCentres();
+    return cv::countNonZero(renderLabels(voxels, smallCamera(), pose, max_depth).depth);
   };
-  EXPECT_GT(seen({10, 0, 0}, 1.0301), 0); // its face lies at 1.03 m
-  EXPECT_EQ(seen({10, 0, 0}, 1.0299), 0);
-  EXPECT_GT(seen({1, 0, 0}, 40.0), 0);   // at 0.1 m
-  EXPECT_EQ(seen({0, 0, 0}, 40.0), 0);   // around the camera
-  EXPECT_EQ(seen({-10, 0, 0}, 40.0), 0); // behind it
+  EXPECT_GT(seen({10, 0, 0}, 1.0501), 0); // its point lies at 1.05 m
+  EXPECT_EQ(seen({10, 0, 0}, 1.0499), 0);
+  EXPECT_GT(seen({2, 0, 0}, 40.0), 0);   // reaches to 0.18 m
+  EXPECT_EQ(seen({1, 0, 0}, 40.0), 0);   // to 0.08 m
+  EXPECT_EQ(seen({-10, 0, 0}, 40.0), 0); // behind the camera
   const int near = seen({30, 1, 2}, 40.0);
+  EXPECT_GT(near, 0);
   pose.translation() << 1e5, -1e5, 100.0;
   EXPECT_EQ(seen({1000030, -999999, 1002}, 40.0), near);
 }

@@ -18,9 +18,7 @@ namespace pcl_semantic {
 namespace {
 
 using Voxels = std::vector<VoxelIndex>;
-using Surface = std::vector<Eigen::Array3f>;
 
-constexpr double half_depth = 0.2; // thickness drawn around a surface [voxels]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 StereoCamera
@@ -74,28 +72,13 @@ insideOf(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
 /** \brief The first voxel of every pixel, by trying all voxels. */
 cv::Mat
 bruteForce(const Voxels& voxels, double size, const StereoCamera& camera,
-           const Eigen::Isometry3d& pose, double max_depth, const Surface& surface = {})
+           const Eigen::Isometry3d& pose, double max_depth)
 {
-  const auto less = [](const VoxelIndex& a, const VoxelIndex& b) {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-  };
-  const std::set<VoxelIndex, decltype(less)> set(voxels.begin(), voxels.end(), less);
   std::vector<Eigen::Vector3d> lower, upper;
   for (const VoxelIndex& voxel : voxels) {
     lower.push_back(voxel.cast<double>() * size - pose.translation());
     upper.push_back((voxel + VoxelIndex::Ones()).cast<double>() * size -
                     pose.translation());
-    if (surface.empty())
-      continue;
-    const Eigen::Array3f& in_voxel = surface[lower.size() - 1];
-    for (int axis = 0; axis < 3; ++axis) {
-      const VoxelIndex step = VoxelIndex::Unit(axis);
-      const double base = lower.back()[axis], position = double(in_voxel[axis]);
-      if (!set.count(voxel - step))
-        lower.back()[axis] = base + std::max(position - half_depth, 0.0) * size;
-      if (!set.count(voxel + step))
-        upper.back()[axis] = base + std::min(position + half_depth, 1.0) * size;
-    }
   }
   cv::Mat first(camera.height, camera.width, CV_32SC1, cv::Scalar(-1));
   std::vector<bool> too_near(voxels.size());
@@ -136,16 +119,6 @@ randomPose(std::mt19937& random, const Eigen::Vector3d& around, double distance)
   return pose;
 }
 
-Surface
-randomSurface(std::mt19937& random, std::size_t voxels)
-{
-  std::uniform_real_distribution<float> position(0.0f, 1.0f);
-  Surface surface(voxels);
-  for (Eigen::Array3f& each : surface)
-    each = {position(random), position(random), position(random)};
-  return surface;
-}
-
 int
 covered(const cv::Mat& voxel)
 {
@@ -179,12 +152,6 @@ TEST(CubeRenderer, SeesTheFirstCubeOfEveryRay)
       if (trial % 3 == 0) {
         EXPECT_GT(covered(expected), 100 * chance);
       }
-      const Surface surface = randomSurface(random, voxels.size());
-      EXPECT_EQ(cv::countNonZero(
-                    renderCubes(voxels, size, camera, pose, max_depth, surface).voxel !=
-                    bruteForce(voxels, size, camera, pose, max_depth, surface)),
-                0)
-          << "surfaces, chance " << chance << ", trial " << trial;
     }
 }
 
@@ -243,8 +210,6 @@ TEST(CubeRenderer, RefusesWhatCannotBe)
   EXPECT_THROW(renderCubes(voxels, 0.0, camera, pose, 1.0), InvalidParameterException);
   EXPECT_THROW(renderCubes(voxels, 0.1, camera, pose, 0.0), InvalidParameterException);
   EXPECT_THROW(renderCubes(voxels, 0.1, StereoCamera(), pose, 1.0),
-               InvalidParameterException);
-  EXPECT_THROW(renderCubes(voxels, 0.1, camera, pose, 1.0, Surface(2)),
                InvalidParameterException);
   EXPECT_EQ(covered(renderCubes({}, 0.1, camera, pose, 1.0).voxel), 0);
 }

@@ -106,25 +106,18 @@ struct RenderedLabels {
   cv::Mat indices; ///< CV_32SC1, index of the voxel in the cloud; -1 = none
 };
 
-/** \brief Renders voxels as solid cubes. A pixel shows the nearest cube along the ray
- * of its centre.
+/** \brief Renders the points of voxels as soft splats, up to 1 m behind the first one
+ * of a pixel's ray, and gives the pixel the class with the largest weight (doc/map.md,
+ * "Rendered views").
  *
- * A cube covers [index, index + 1) times the voxel size in the world frame. Whole cubes
- * are thicker than the surfaces that they represent. A face without a neighbour is
- * therefore drawn inside its cube, 0.2 voxels from the point of the voxel. A cube gets
- * the label of its point.
- *
- * The result depends neither on the number of threads nor on the order of the voxels,
- * with one exception: if two cubes touch exactly on a ray, the first in the cloud wins.
- *
- * A cube with a corner nearer than z = 0.1 m is ignored. Such a cube would cover the
- * image, and its points are noise or part of the vehicle.
- * \param[in] voxels points, indices, voxel size and the labels of the cloud are used
- * \param[in] camera pinhole with its image size
- * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
- * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
- * infinite
- * \return images of height x width
+ * A splat has the opacity n^2 / (n^2 + 2) in its middle, where n is the number of scans
+ * that hit the voxel, and ends at 0.7 voxels. Unlabelled voxels show only where there
+ * are no others. The result depends neither on the number of threads nor on the order
+ * of the voxels. Voxels nearer than z = 0.1 m are ignored: they are noise or part of
+ * the vehicle. \param[in] voxels points, observations, voxel size and the labels of the
+ * cloud are used \param[in] camera pinhole with its image size \param[in]
+ * T_world_camera pose of the camera (x right, y down, z forward) \param[in] max_depth
+ * largest camera z of a point [m]; may be infinite \return images of height x width
  * \throws InvalidParameterException if cloud and indices differ in length, or if voxel
  * size, image size or \a max_depth is not positive
  * \throws BadInputException if the pose is not rigid, or a label is above 255 */
