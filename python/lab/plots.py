@@ -29,10 +29,11 @@ def bars(path, ylabel, groups, series):
 def page(found, out):
     """Gain over the network by street, and IoU by class. Returns the files."""
     gains = {street: found.gains(tables.DEPTH, [street]) for street in found.streets}
-    streets = sorted(gains, key=lambda street: round(gains[street][2][0], 1))
+    streets = sorted(gains, key=lambda street: round(gains[street][1][0], 1))
     first = bars(out / "results_gain.png", "mean IoU over network", streets,
                  {"map": [gains[each][1][0] for each in streets],
-                  "calibrated": [gains[each][2][0] for each in streets]})
+                  "map, final": [gains[each][2][0] for each in streets],
+                  "calibrated": [gains[each][3][0] for each in streets]})
     series = {}
     for name, model, prediction in (("2D network", "dense", "network_labels"),
                                     ("map", "dense", tables.DEPTH),

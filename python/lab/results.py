@@ -9,13 +9,14 @@ all; `tables` maps nothing and writes all pages and pictures of what is there.""
 import argparse
 import datetime
 import hashlib
+import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-from lab import calibrate, files, lidar_truth, models, plots, tables
+from lab import calibrate, files, lidar_truth, models, other_sensors, plots, tables
 
 NETWORK = "data/networks/espnetv2_city_1280x480.yaml"
 MODEL = "nets/espnetv2_s2.0_city_1280x480_halfres.onnx"
@@ -83,8 +84,8 @@ class Run:
         also = []
         if model in models.MAIN or model == "none":  # whose objects are compared, too
             scans = (self.kitti / sequence / "velodyne").is_dir()
-            also = (["--also", "measured,scans", "--scan-within", "0.3"] if scans
-                    else ["--also", "measured"])
+            also = (["--also", "measured,depth,scans", "--scan-within", "0.3"] if scans
+                    else ["--also", "measured,depth"])
         calibration = OUT / "calibration" / f"without_{sequence}.yaml"
         if not calibration.exists():
             calibration = OUT / "calibration" / "calibration.yaml"
@@ -102,6 +103,14 @@ class Run:
         for sequence in sequences:
             for model in which:
                 self.map(sequence, model)
+
+    def map_others(self):
+        say("RGB-D and lidar")
+        (OUT / "others.json").write_text(json.dumps({
+            "Kitchen from RGB-D, at depth": other_sensors.kitchen(self.data, OUT / "kitchen"),
+            "Streets from lidar, at the points of the scans": other_sensors.lidar(
+                self.kitti, self.streets, OUT / "{name}" / "network_distributions",
+                OUT / "lidar")}))
 
     def drawn(self):
         """Sequences with hand-made truth."""
@@ -144,7 +153,9 @@ class Run:
 
     def write_page(self):
         made = (OUT / "made_page.md").read_text().strip()
-        self.write("results.md", self.tables.page(made), plots.page(self.tables, OUT / "images"))
+        others = json.loads((OUT / "others.json").read_text())
+        self.write("results.md", self.tables.page(made, others),
+                   plots.page(self.tables, OUT / "images"))
 
     def write_appendix(self):
         made = (OUT / "made.md").read_text().strip()
@@ -173,11 +184,13 @@ def main():
     run = Run(data)
     if what == "page":
         run.map_models(run.streets, ["none", "dense", "superpixel", "calibrated_dense"])
+        run.map_others()
         run.made("made_page.md")
         run.write_page()
         return
     if what is None:
         run.map_everything()
+        run.map_others()
         run.made("made.md")
         shutil.copy(OUT / "made.md", OUT / "made_page.md")
     elif not (OUT / "made.md").exists():

@@ -113,7 +113,8 @@ class Tables:
 
     def gains(self, view, sequences):
         """Mean IoU and global accuracy, to a tenth: of the network where the map covers, then
-        how far maps are above it, and what the CRF adds to the calibrated measurements."""
+        how far maps (causal, final, calibrated) are above it, and what the CRF adds to the
+        calibrated measurements."""
         def pair(model, prediction, covered=None):
             found = self.figures(sequences, model, prediction, covered=covered)
             return round(found["mean"], 1), round(found["global accuracy"], 1)
@@ -122,7 +123,9 @@ class Tables:
             return tuple(a - b for a, b in zip(ours, other))
         network = pair("dense", NETWORK, view)
         calibrated = pair("calibrated_dense", view)
+        final = f"final_{view}"
         return [network, over(pair("dense", view), network),
+                over(pair("dense", final), pair("dense", NETWORK, final)),
                 over(calibrated, pair("calibrated_dense", NETWORK, view)),
                 over(calibrated, pair("calibrated_dense", f"measured_{view}"))]
 
@@ -132,9 +135,9 @@ class Tables:
             cells += [f"{a:+.1f} / {b:+.1f}" for a, b in found[1:]]
             return f"| {name} | {' | '.join(cells)} |"
         found = {street: self.gains(view, [street]) for street in self.streets}
-        worst_first = sorted(found, key=lambda street: round(found[street][2][0], 1))
-        return (["| street | 2D network | map | calibrated | the CRF's part |",
-                 "|---|---:|---:|---:|---:|"] +
+        worst_first = sorted(found, key=lambda street: round(found[street][1][0], 1))
+        return (["| street | 2D network | map | map, final | calibrated | the CRF's part |",
+                 "|---|---:|---:|---:|---:|---:|"] +
                 [line(street, found[street]) for street in worst_first] +
                 [line("**pooled**", self.gains(view, self.streets))])
 
@@ -164,9 +167,11 @@ class Tables:
         return ([geometry.header(), row("all", self.streets)] +
                 [row(street, [street]) for street in self.streets])
 
-    def page(self, made):
+    def page(self, made, others):
+        """`others` are tables of other sensors by their titles."""
         return sections({
-            "At depth": self.answer(DEPTH), "Rendered": self.answer(RENDERED),
+            "Streets from stereo, at depth": self.answer(DEPTH),
+            "Streets from stereo, rendered": self.answer(RENDERED), **others,
             "Objects in the scans": self.things(),
             "Geometry of the finished maps against the lidar": self.geometry() + ["", made]})
 

@@ -47,6 +47,10 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        "whether measured labels of classes marked thin in the label set stay unless "
        "neighbours strongly outvote them: true or false",
        &crf.keep_thin},
+      {"crf_logit_adjustment",
+       "power of the frequencies of the classes that measurements are divided by, so "
+       "that rare classes survive; 0 = off, -1 = by the sensor",
+       &crf.logit_adjustment},
       {"crf_kernels",
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
        "lattice",

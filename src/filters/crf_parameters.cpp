@@ -57,6 +57,9 @@ SemanticCRFParameters::validate() const
   require(iterations >= 0, "iterations", iterations, "0 or more");
   require(temperature >= 0.01 && temperature <= 1000.0, "temperature", temperature,
           "0.01 to 1000");
+  require(logit_adjustment == -1.0 ||
+              (logit_adjustment >= 0.0 && logit_adjustment <= 10.0),
+          "crf_logit_adjustment", logit_adjustment, "-1 or 0 to 10");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");
@@ -87,6 +90,8 @@ SemanticCRFParameters::resolved(double spacing, bool has_colours, double extent)
   setIfAutomatic(values.smoothness_deviation, smoothness);
   setIfAutomatic(values.appearance_deviation, appearance);
   setIfAutomatic(values.colour_deviation, is_rgbd ? 30.0 : 8.0);
+  if (values.logit_adjustment < 0.0)
+    values.logit_adjustment = is_rgbd ? 1.0 : 0.0;
   return values;
 }
 
@@ -95,6 +100,7 @@ SemanticCRFParameters::forMaps()
 {
   SemanticCRFParameters parameters;
   parameters.temperature = 3.0;
+  parameters.logit_adjustment = -1.0;
   return parameters;
 }
 

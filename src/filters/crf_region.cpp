@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf_region.h"
 
+#include "element_crf.h"
+
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace pcl_semantic {
@@ -133,7 +136,14 @@ void
 refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
              const CrfRegion& region, VoxelCloud& voxels)
 {
-  crf.setUseColour(hasColour(voxels));
+  const bool has_colours = hasColour(voxels);
+  crf.setUseColour(has_colours);
+  if (crf.getParameters().resolved(voxels.voxel_size, has_colours).logit_adjustment >
+      0.0) {
+    pcl::Indices all(voxels.size());
+    std::iota(all.begin(), all.end(), 0);
+    crf.setClassFrequencies(classFrequencies(all, voxels.measured));
+  }
   crf.setThinLabels(label_set.thinLabels());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);

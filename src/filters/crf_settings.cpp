@@ -44,4 +44,12 @@ CRFSettings::setCliqueCosts(const Eigen::MatrixXf& costs)
   terms_.clique_costs = costs;
 }
 
+void
+CRFSettings::setClassFrequencies(const Eigen::VectorXd& frequencies)
+{
+  if (!(frequencies.array() >= 0.0).all() || !frequencies.allFinite())
+    badParameter("a class frequency is negative or not finite");
+  terms_.class_frequencies = frequencies;
+}
+
 } // namespace pcl_semantic

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace pcl_semantic {
 
@@ -59,6 +60,33 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
     const double sum = column.cast<double>().sum();
     if (sum > 0.0)
       column = (column.cast<double>() / sum).cast<float>();
+  }
+}
+
+// Uniform measurements are left alone: the adjustment would label them.
+bool
+isUniform(const Eigen::Ref<const Eigen::VectorXf>& column)
+{
+  return column.maxCoeff() - column.minCoeff() <= 1e-4f * column.sum();
+}
+
+// SemanticCRFParameters::logit_adjustment.
+void
+adjustLogits(const pcl::Indices& indices, const Eigen::VectorXd& frequencies,
+             double power, LabelDistributions& distributions)
+{
+  if (frequencies.size() != distributions.classes())
+    badParameter("there are frequencies of ", frequencies.size(), " classes, expected ",
+                 distributions.classes());
+  constexpr double rare = 0.1; // rarer classes are treated alike
+  Eigen::VectorXf factors(frequencies.size());
+  for (Eigen::Index l = 0; l < factors.size(); ++l)
+    factors[l] = float(std::pow(std::max(frequencies[l], rare), -power));
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    auto column = distributions.matrix().col(indices[k]);
+    if (!isUniform(column))
+      column.array() *= factors.array() / column.sum();
   }
 }
 
@@ -113,6 +141,23 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
 
 } // namespace
 
+Eigen::VectorXd
+classFrequencies(const pcl::Indices& indices, const LabelDistributions& measured)
+{
+  using Sums = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
+  constexpr double unit = 1 << 30; // integers are summed exactly
+  Sums sums = Sums::Zero(measured.classes());
+  for (const pcl::index_t i : indices) {
+    const auto column = measured.matrix().col(i);
+    if (!isUniform(column))
+      sums += (column.cast<double>() * (unit / column.cast<double>().sum()))
+                  .cast<std::int64_t>();
+  }
+  const double total = double(sums.sum());
+  return total > 0.0 ? (sums.cast<double>() / total).eval()
+                     : Eigen::VectorXd::Zero(measured.classes());
+}
+
 void
 requireMembers(const Cliques& cliques)
 {
@@ -144,8 +189,14 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
     normalize(elements.indices, distributions);
     return report;
   }
-  MeanField inference(buildModel(terms, cliques, elements, distributions, report));
   const SemanticCRFParameters parameters = resolvedFor(elements, terms.parameters);
+  if (parameters.logit_adjustment > 0.0)
+    adjustLogits(elements.indices,
+                 terms.class_frequencies.size() > 0
+                     ? terms.class_frequencies
+                     : classFrequencies(elements.indices, distributions),
+                 parameters.logit_adjustment, distributions);
+  MeanField inference(buildModel(terms, cliques, elements, distributions, report));
   inference.run(parameters.iterations);
   report.updates = parameters.iterations;
   writeResult(inference.marginals(), elements.indices,

@@ -34,6 +34,12 @@ using Cliques = std::vector<pcl::PointIndices>;
 /** \throws InvalidParameterException that names the first clique without members */
 void requireMembers(const Cliques& cliques);
 
+/** \brief Mean of the measurements of some elements, L, sum 1 (0 without a
+ * measurement). Uniform measurements do not count. The same for any order of the
+ * elements. */
+Eigen::VectorXd classFrequencies(const pcl::Indices& indices,
+                                 const LabelDistributions& measured);
+
 /** \brief Runs mean-field inference over elements.
  * \param[in] cliques null = none. Members that do not take part are removed. Cliques
  * without remaining members are skipped

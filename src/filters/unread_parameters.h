@@ -22,26 +22,26 @@ unreadParametersOfCRF(const std::string& model, const std::string& cliques)
 {
   const bool is_off = model == "none" || model == "unary";
   const bool has_cliques = model == "pn-potts" || model == "hierarchical";
-  return {
-      {is_off,
-       "crf",
-       model,
-       {"crf_iterations", "crf_sensor", "crf_temperature", "crf_keep_thin",
-        "crf_normalization", "crf_every", "smoothness_weight", "smoothness_deviation",
-        "appearance_weight", "appearance_deviation", "colour_deviation"}},
-      {!has_cliques,
-       "crf",
-       model,
-       {"cliques", "clique_exclude", "superpixel_depth_jump", "clique_weight"}},
-      {model != "hierarchical",
-       "crf",
-       model,
-       {"clique_free_label", "clique_truncation", "clique_update_from_members",
-        "clique_appearance_weight"}},
-      {cliques.rfind("superpixel", 0) != 0,
-       "cliques",
-       cliques,
-       {"superpixel_depth_jump"}}};
+  return {{is_off,
+           "crf",
+           model,
+           {"crf_iterations", "crf_sensor", "crf_temperature", "crf_keep_thin",
+            "crf_logit_adjustment", "crf_normalization", "crf_every",
+            "smoothness_weight", "smoothness_deviation", "appearance_weight",
+            "appearance_deviation", "colour_deviation"}},
+          {!has_cliques,
+           "crf",
+           model,
+           {"cliques", "clique_exclude", "superpixel_depth_jump", "clique_weight"}},
+          {model != "hierarchical",
+           "crf",
+           model,
+           {"clique_free_label", "clique_truncation", "clique_update_from_members",
+            "clique_appearance_weight"}},
+          {cliques.rfind("superpixel", 0) != 0,
+           "cliques",
+           cliques,
+           {"superpixel_depth_jump"}}};
 }
 
 } // namespace pcl_semantic

@@ -188,6 +188,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
       {"false", "--smoothness-weight 900 --crf-iterations 5 --label-set "
                 "IN/other_set.yaml"},
       {"true", "--crf-iterations 5"}}},
+    {"crf-logit-adjustment", {{"3"}, {"3", "--smoothness-weight 900"}}},
     {"crf-normalization", {{"none"}}},
     {"crf-temperature", {{"9"}, {"9", "--refined OUT/refined.bin"}}},
     {"crop", {{"0,-5,-5,9,5,5"}}},

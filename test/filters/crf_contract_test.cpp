@@ -354,6 +354,52 @@ TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
   EXPECT_THROW(hard.setLabelConfidence(0.5, 256), InvalidParameterException);
 }
 
+// Menon et al. 2021: measurements over the frequencies of their classes. By hand, and
+// without the adjustment.
+TEST(CRFInput, ALogitAdjustmentDividesByTheFrequenciesOfTheClasses)
+{
+  CrfCloud input = makeCrfCloud(300, 25);
+  auto& measured = input.distributions.matrix();
+  measured.row(0) *= 20.0f; // a frequent class; the scale of a column is free
+  measured.col(7).setZero();
+  measured.col(8).setConstant(0.25f);
+  CrfCloud adjusted = input;
+  Eigen::VectorXd frequencies = Eigen::VectorXd::Zero(measured.rows());
+  for (Eigen::Index i = 0; i < measured.cols(); ++i)
+    if (i != 7 && i != 8)
+      frequencies += measured.col(i).cast<double>() / double(measured.col(i).sum());
+  frequencies /= frequencies.sum();
+  ASSERT_GT(frequencies.maxCoeff(), 0.3);
+  ASSERT_LT(frequencies.minCoeff(), 0.1);
+  for (Eigen::Index i = 0; i < measured.cols(); ++i)
+    if (i != 7 && i != 8)
+      for (Eigen::Index l = 0; l < measured.rows(); ++l)
+        adjusted.distributions.matrix()(l, i) /=
+            float(std::pow(std::max(frequencies[l], 0.1), 0.7));
+  SemanticCRFParameters parameters;
+  parameters.smoothness_weight = parameters.appearance_weight = 0.3;
+  parameters.logit_adjustment = 0.7;
+  Filter crf = filterWith(parameters);
+  const Eigen::MatrixXf result = refine(crf, input);
+  parameters.logit_adjustment = 0.0;
+  Filter plain = filterWith(parameters);
+  EXPECT_LT(largestDifference(result, refine(plain, adjusted)), 1e-5f);
+  EXPECT_GT(largestDifference(result, refine(plain, input)), 0.1f);
+  // Those of a larger map, for a part of it.
+  parameters.logit_adjustment = 0.7;
+  Filter part = filterWith(parameters);
+  part.setClassFrequencies(frequencies);
+  EXPECT_LT(largestDifference(result, refine(part, input)), 1e-5f);
+  part.setClassFrequencies(Eigen::VectorXd::Constant(4, 0.25));
+  EXPECT_LT(largestDifference(refine(part, input), refine(plain, input)), 1e-5f);
+  part.setClassFrequencies(Eigen::VectorXd::Constant(3, 0.3));
+  expectBadParameter("frequencies of 3 classes, expected 4",
+                     [&] { refine(part, input); });
+  expectBadParameter("a class frequency is negative or not finite", [&] {
+    part.setClassFrequencies(Eigen::VectorXd::Constant(4, -1));
+  });
+}
+
 TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
 {
   const CrfCloud input = makeCrfCloud(300, 29);

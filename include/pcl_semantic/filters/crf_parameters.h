@@ -54,6 +54,11 @@ struct SemanticCRFParameters {
   /// neighbours have other classes (CRFSettings::setThinLabels()). Such an element only
   /// changes if the messages favour another class by more than a factor of e^6.
   bool keep_thin = true;
+  /// tau: divides each measurement by the frequencies of the classes to this power, at
+  /// least 0.1 each, because a network's class frequencies are in every measurement,
+  /// and rare classes lose to frequent ones (Menon et al. 2021, "Long-tail learning via
+  /// logit adjustment"); CRFSettings::setClassFrequencies(). 0 = off; -1 = automatic.
+  double logit_adjustment = 0.0;
 
   // Cliques of the last two models. All but the weight apply to the hierarchical model.
   double clique_weight = 1.0; ///< k_c, eq. (8)
@@ -79,6 +84,7 @@ struct SemanticCRFParameters {
    * | smoothness deviation [m] | 0.2 | 0.1 | 0.2 |
    * | appearance deviation [m] | 0.2 | 0.2 | 0.2 |
    * | colour deviation | 8 | 30 | |
+   * | logit adjustment | 0 | 1 | 0 |
    *
    * Deviations are at least two and at most ten times the spacing; of rgbd, they are at
    * least one (smoothness) or two times (appearance) the spacing and at most an eighth
@@ -89,7 +95,8 @@ struct SemanticCRFParameters {
   SemanticCRFParameters resolved(double spacing, bool has_colours,
                                  double extent = 0.0) const;
 
-  /** \brief Defaults for the voxels of a map: a temperature of 3. */
+  /** \brief Defaults for the voxels of a map: a temperature of 3, and the automatic
+   * logit adjustment. */
   static SemanticCRFParameters forMaps();
 
   /** \brief Defaults for images: smoothness 3 px; appearance 40 px and 4 grey levels;

@@ -21,7 +21,8 @@ struct CRFTerms {
   std::vector<GaussianTerm> kernels; ///< the caller's own: weights and features
   Eigen::MatrixXf clique_costs;      ///< psi_c(l), L x C; empty = from the members
   std::vector<Label> thin_labels;
-  std::optional<int> threads; ///< none: OpenMP's number for the calling thread
+  Eigen::VectorXd class_frequencies; ///< L, sum 1; empty = of the measurements
+  std::optional<int> threads;        ///< none: OpenMP's number for the calling thread
 
   bool
   usesCliques() const
@@ -72,6 +73,12 @@ public:
   {
     terms_.thin_labels = labels;
   }
+
+  /** \brief Sets the frequencies of the classes for
+   * SemanticCRFParameters::logit_adjustment, L with sum 1; empty = the mean of the
+   * measurements of the run. Set those of a whole map to refine a part of it.
+   * \throws InvalidParameterException if a frequency is negative or not finite */
+  void setClassFrequencies(const Eigen::VectorXd& frequencies);
 
   /** \brief Sets the threads of a run; 0 = all processors, default = OpenMP's number
    * for the calling thread. The result does not depend on it. */
