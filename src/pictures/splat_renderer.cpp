@@ -18,10 +18,10 @@ namespace pcl_semantic {
 namespace {
 
 // Measured, see doc/map.md.
-constexpr float kRadius = 0.7f;        ///< of a splat [voxels]
+constexpr float kRadius = 0.87f; ///< of a splat [voxels]: half the diagonal of a cube
 constexpr float kBehindFirst = 1.0f;   ///< depth in which classes vote [m]
 constexpr float kFirstOpacity = 0.05f; ///< of the first splat of a ray
-constexpr float kLeastOpacity = 0.01f; ///< fainter ones are ignored
+constexpr float kLeastOpacity = 1e-5f; ///< fainter ones are ignored
 constexpr double kNearPlane = 0.1;     ///< [m]
 constexpr int kTile = 32;              ///< edge of the pixels that are a thread's task
 
@@ -135,7 +135,10 @@ public:
           continue;
         const float inside =
             1.0f - splat.point.cross(rays_[pixel]).squaredNorm() / squared_radius_;
-        const float opacity = splat.opacity * inside * inside * inside;
+        if (!(inside > 0.0f))
+          continue;
+        const float squared = inside * inside;
+        const float opacity = splat.opacity * squared * squared * inside;
         if (!(opacity > kLeastOpacity))
           continue;
         if (opacity > kFirstOpacity)
@@ -152,7 +155,7 @@ public:
     for (int v = row_; v < end_row_; ++v)
       for (int u = column_; u < end_column_; ++u) {
         const std::size_t pixel = pixelOf(v, u);
-        if (std::isinf(first_[pixel]))
+        if (light_[pixel] == 1.0f)
           continue;
         const Vote* const votes = &votes_[pixel * std::size_t(classes_)];
         const Vote* winner = votes; // unlabelled, unless a class has a weight

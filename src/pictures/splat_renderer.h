@@ -19,10 +19,11 @@ struct SplatImage {
  *
  * A splat has the opacity n^2 / (n^2 + 2) in its middle, where n is the number of
  * scans that hit the voxel. At a distance d from the ray of a pixel centre, its opacity
- * falls by (1 - d^2 / r^2)^3, r = 0.7 voxels. Splats are blended front to back, up to 1
- * m behind the first one with an opacity above 0.05. The class with the largest sum of
- * weights wins, and of its voxels the one with the largest weight. Unlabelled voxels
- * win only if there are no others. See doc/map.md, "Rendered views".
+ * falls by (1 - d^2 / r^2)^5, r = 0.87 voxels. Splats are blended front to back, up to
+ * 1 m behind the first one with an opacity above 0.05 (all if there is none). The class
+ * with the largest sum of weights wins, and of its voxels the one with the largest
+ * weight. Unlabelled voxels win only if there are no others. See doc/map.md, "Rendered
+ * views".
  *
  * The result depends neither on the number of threads nor on the order of the voxels.
  * Computations are relative to the camera, so accuracy does not depend on the distance

@@ -48,7 +48,7 @@ makeVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 }
 
 /** \brief The rule of renderSplats() for each pixel and all voxels, in double
- * precision. Pixels whose classes are nearly even get a depth of -1. */
+ * precision. Pixels that are nearly even get a depth of -1. */
 RenderedLabels
 bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, double max_depth)
@@ -56,7 +56,7 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
   RenderedLabels result{cv::Mat::zeros(camera.height, camera.width, CV_8UC1),
                         cv::Mat::zeros(camera.height, camera.width, CV_32FC1),
                         cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1))};
-  const double radius = 0.7 * voxels.voxel_size;
+  const double radius = 0.87 * voxels.voxel_size;
   std::map<double, std::size_t> by_depth; // voxels in view
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const Eigen::Vector3d point = (*voxels.cloud)[i].getVector3fMap().cast<double>();
@@ -80,10 +80,10 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
         const double inside =
             std::max(1.0 - distance * distance / (radius * radius), 0.0);
         const double opacity =
-            scans * scans / (scans * scans + 2.0) * std::pow(inside, 3.0);
-        for (const double limit : {0.01, 0.05})
-          is_close_call |= std::abs(opacity - limit) < 1e-5;
-        if (!(opacity > 0.01) || z > first + 1.0)
+            scans * scans / (scans * scans + 2.0) * std::pow(inside, 5.0);
+        for (const double limit : {1e-5, 0.05})
+          is_close_call |= std::abs(opacity / limit - 1.0) < 0.01;
+        if (!(opacity > 1e-5) || z > first + 1.0)
           continue;
         if (opacity > 0.05)
           first = std::min(first, z);
@@ -93,7 +93,7 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
           best[label] = {light * opacity, i};
         light -= light * opacity;
       }
-      if (std::isinf(first) && !is_close_call)
+      if (sums.empty() && !is_close_call)
         continue;
       std::uint32_t winner = 0;
       double most = 0.0, second = 0.0;
@@ -105,7 +105,7 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
         }
         else if (label > 0)
           second = std::max(second, sum);
-      if (is_close_call || most - second < 1e-5) {
+      if (is_close_call || most - second < 1e-3 * most) {
         result.depth.at<float>(v, u) = -1.0f;
         continue;
       }
@@ -213,7 +213,7 @@ TEST(RenderLabels, ClassesVoteAndTheVoxelWithTheLargestWeightIsShown)
   EXPECT_EQ(shown(), std::pair(2, 1));
   voxels.observations = {2, 2, 1, 9}; // 0.67, 0.22, 0.04
   EXPECT_EQ(shown(), std::pair(1, 0));
-  (*voxels.cloud)[0].y = 0.05f; // 0.12 of its opacity
+  (*voxels.cloud)[0].y = 0.05f; // 0.13 of its opacity
   EXPECT_EQ(shown(), std::pair(2, 1));
   voxels.observations.clear();
   setLabels({0, 0, 3, 4}); // the unlabelled ones do not win

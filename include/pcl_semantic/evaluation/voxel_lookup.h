@@ -111,7 +111,7 @@ struct RenderedLabels {
  * "Rendered views").
  *
  * A splat has the opacity n^2 / (n^2 + 2) in its middle, where n is the number of scans
- * that hit the voxel, and ends at 0.7 voxels. Unlabelled voxels show only where there
+ * that hit the voxel, and ends at 0.87 voxels. Unlabelled voxels show only where there
  * are no others. The result depends neither on the number of threads nor on the order
  * of the voxels. Voxels nearer than z = 0.1 m are ignored: they are noise or part of
  * the vehicle. \param[in] voxels points, observations, voxel size and the labels of the
