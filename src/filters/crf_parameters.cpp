@@ -72,6 +72,8 @@ SemanticCRFParameters
 SemanticCRFParameters::resolved(double spacing, bool has_colours, double extent) const
 {
   SemanticCRFParameters values = *this;
+  if (values.logit_adjustment < 0.0) // colours may be of a scan
+    values.logit_adjustment = values.sensor == PointSensor::rgbd ? 1.0 : 0.0;
   if (values.sensor == PointSensor::automatic)
     values.sensor = has_colours ? PointSensor::rgbd : PointSensor::lidar;
   const bool is_rgbd = values.sensor == PointSensor::rgbd;
@@ -90,8 +92,6 @@ SemanticCRFParameters::resolved(double spacing, bool has_colours, double extent)
   setIfAutomatic(values.smoothness_deviation, smoothness);
   setIfAutomatic(values.appearance_deviation, appearance);
   setIfAutomatic(values.colour_deviation, is_rgbd ? 30.0 : 8.0);
-  if (values.logit_adjustment < 0.0)
-    values.logit_adjustment = is_rgbd ? 1.0 : 0.0;
   return values;
 }
 

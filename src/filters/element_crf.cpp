@@ -11,6 +11,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include <omp.h>
 
 namespace pcl_semantic {
 
@@ -145,14 +149,18 @@ Eigen::VectorXd
 classFrequencies(const pcl::Indices& indices, const LabelDistributions& measured)
 {
   using Sums = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
-  constexpr double unit = 1 << 30; // integers are summed exactly
-  Sums sums = Sums::Zero(measured.classes());
-  for (const pcl::index_t i : indices) {
-    const auto column = measured.matrix().col(i);
+  constexpr double unit = 1 << 30; // integers are summed exactly, in any order
+  const Sums zero = Sums::Zero(measured.classes());
+  std::vector<Sums> parts(std::size_t(omp_get_max_threads()), zero);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const auto column = measured.matrix().col(indices[k]);
     if (!isUniform(column))
-      sums += (column.cast<double>() * (unit / column.cast<double>().sum()))
-                  .cast<std::int64_t>();
+      parts[std::size_t(omp_get_thread_num())] +=
+          (column.cast<double>() * (unit / column.cast<double>().sum()))
+              .cast<std::int64_t>();
   }
+  const Sums sums = std::accumulate(parts.begin(), parts.end(), zero);
   const double total = double(sums.sum());
   return total > 0.0 ? (sums.cast<double>() / total).eval()
                      : Eigen::VectorXd::Zero(measured.classes());

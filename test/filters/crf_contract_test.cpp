@@ -354,6 +354,19 @@ TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
   EXPECT_THROW(hard.setLabelConfidence(0.5, 256), InvalidParameterException);
 }
 
+// Streets and scans lose by it (doc/parameters.md).
+TEST(CRFInput, TheLogitAdjustmentOfMapsIsForImagesOfAnRgbdCamera)
+{
+  SemanticCRFParameters parameters = SemanticCRFParameters::forMaps();
+  EXPECT_EQ(parameters.resolved(0.1, true).logit_adjustment, 0.0);
+  parameters.sensor = PointSensor::rgbd;
+  EXPECT_EQ(parameters.resolved(0.1, true).logit_adjustment, 1.0);
+  parameters.sensor = PointSensor::stereo;
+  EXPECT_EQ(parameters.resolved(0.1, true).logit_adjustment, 0.0);
+  parameters.logit_adjustment = 0.3;
+  EXPECT_EQ(parameters.resolved(0.1, true).logit_adjustment, 0.3);
+}
+
 // Menon et al. 2021: measurements over the frequencies of their classes. By hand, and
 // without the adjustment.
 TEST(CRFInput, ALogitAdjustmentDividesByTheFrequenciesOfTheClasses)
