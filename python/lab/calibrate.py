@@ -197,12 +197,9 @@ def as_yaml(calibration, ground, names):
 
 def stereo_camera(folder):
     """Camera for pixel_features(), without its image size, and the folders of the images."""
-    rows = {}
-    for line in (folder / "calib.txt").read_text().splitlines():
-        name, _, numbers = line.partition(":")
-        rows[name] = np.array(numbers.split(), float)
+    rows = files.calibration_rows(folder)
     first = 2 if (folder / "image_2").is_dir() else 0
-    left, right = (rows[f"P{first + i}"].reshape(3, 4) for i in (0, 1))
+    left, right = (rows[f"P{first + i}"] for i in (0, 1))
     camera = [left[0, 0], left[1, 1], left[0, 2], left[1, 2],
               (left[0, 3] - right[0, 3]) / left[0, 0]]
     return camera, [folder / f"image_{first + i}" for i in (0, 1)]

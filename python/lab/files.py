@@ -105,17 +105,23 @@ def rotation(block):
     return Rotation.from_quat([skew[2, 1], skew[0, 2], skew[1, 0], 1 + trace]).as_matrix()
 
 
+def calibration_rows(folder):
+    """The 3 x 4 matrices of KITTI's calib.txt by their names: P0, P2, Tr ..."""
+    rows = {}
+    for line in (Path(folder) / "calib.txt").read_text().splitlines():
+        name, _, numbers = line.partition(":")
+        if name in ("P0", "P1", "P2", "P3", "Tr"):
+            rows[name] = np.array(numbers.split(), float).reshape(3, 4)
+    return rows
+
+
 class Sequence:
     """A KITTI sequence with laser scans. Points and poses are in metres."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
         colour = (self.folder / "image_2").is_dir()
-        rows = {}
-        for line in (self.folder / "calib.txt").read_text().splitlines():
-            name, _, numbers = line.partition(":")
-            if name in ("P0", "P2", "Tr"):
-                rows[name] = np.array(numbers.split(), float).reshape(3, 4)
+        rows = calibration_rows(self.folder)
         if "Tr" not in rows:
             raise ValueError(f"{folder}/calib.txt: has no row 'Tr:', the scanner's pose")
         left, tr = rows["P2" if colour else "P0"], rows["Tr"]
@@ -166,6 +172,13 @@ def as_json(value):
             return float(each) if np.isfinite(each) else None
         return each
     return json.dumps(plain(value))
+
+
+def program(name, *arguments):
+    """Output of pcl_semantic_NAME."""
+    folder = os.environ.get("PCL_SEMANTIC_BIN", ROOT / "build" / "bin")
+    return subprocess.run([f"{folder}/pcl_semantic_{name}", *map(str, arguments)], check=True,
+                          stdout=subprocess.PIPE, text=True).stdout
 
 
 def run(command):

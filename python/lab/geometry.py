@@ -4,10 +4,8 @@ how much of the returns is mapped."""
 
 import argparse
 import json
-import os
 import re
 import sqlite3
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -40,7 +38,7 @@ class Map:
             self._take(path / "map.pcd", summary["voxel_size"])
         else:
             given = trajectory.read_kitti(poses or Path(sequence) / "poses.txt")
-            info = json.loads(run_archive("info", path, "--json"))
+            info = json.loads(files.program("archive", "info", path, "--json"))
             numbers = [n for n in files.Sequence(sequence).scans() if n < len(given)]
             made_of = frames_of(path) if frames is None else set()
             numbers = [n for n in numbers if not made_of or n in made_of]
@@ -48,8 +46,8 @@ class Map:
                 places = np.array([given[n][:3, 3] for n in numbers])
                 reach = 2 * BANDS[-1]  # farther than deep at the corners of a wide image
                 box = np.concatenate([places.min(0) - reach, places.max(0) + reach])
-                run_archive("export", path, f"{folder}/map.pcd", "--quiet",
-                            "--box=" + ",".join(map(str, box)))
+                files.program("archive", "export", path, f"{folder}/map.pcd", "--quiet",
+                              "--box=" + ",".join(map(str, box)))
                 self._take(f"{folder}/map.pcd", float(info["voxel_size"]))
         self.poses = {n: given[n] for n in numbers if frames is None or n in frames}
 
@@ -71,12 +69,6 @@ def frames_of(archive):
             return set()
     with sqlite3.connect(f"file:{archive}?mode=ro", uri=True) as database:
         return {number for number, in database.execute("SELECT number FROM frames")}
-
-
-def run_archive(*arguments):
-    folder = os.environ.get("PCL_SEMANTIC_BIN", files.ROOT / "build" / "bin")
-    return subprocess.run([f"{folder}/pcl_semantic_archive", *map(str, arguments)], check=True,
-                          stdout=subprocess.PIPE, text=True).stdout
 
 
 def keys(indices):

@@ -71,7 +71,7 @@ def labels(truth, prediction, probabilities, classes, covered=None):
 def known_voxels(archive):
     """Voxel size [m]; sorted keys of the voxels that a ray has reached, and their log-odds."""
     import zstandard
-    size = json.loads(geometry.run_archive("info", archive, "--json"))["voxel_size"]
+    size = json.loads(files.program("archive", "info", archive, "--json"))["voxel_size"]
     offsets = np.stack(np.unravel_index(np.arange(512), (8, 8, 8)), axis=1)[:, ::-1]  # x y z
     found, odds = [], []
     with sqlite3.connect(f"file:{archive}?mode=ro", uri=True) as database:

@@ -24,12 +24,6 @@ LABEL_SET = "data/label_sets/kitti11.yaml"
 OUT = Path("build/results")
 
 
-def tool(name, *arguments, quiet=True):
-    """Runs a program of ours; what it says goes to stderr."""
-    subprocess.run([f"build/bin/pcl_semantic_{name}", *map(str, arguments)], check=True,
-                   stdout=subprocess.DEVNULL if quiet else sys.stderr)
-
-
 def say(*words):
     print("==", *words, file=sys.stderr, flush=True)
 
@@ -54,7 +48,7 @@ class Run:
             return
         say(f"sequence {sequence}: network")
         shutil.rmtree(folder, ignore_errors=True)
-        tool("label", self.kitti / sequence, "--network", NETWORK, "--model", self.data / MODEL,
+        files.program("label", self.kitti / sequence, "--network", NETWORK, "--model", self.data / MODEL,
              "--output", folder)
         stamp.write_text(digest.hexdigest() + "\n")
 
@@ -91,7 +85,7 @@ class Run:
             calibration = OUT / "calibration" / "calibration.yaml"
         options = models.MODELS[model][1].format(calibration=calibration)
         say(f"sequence {sequence}: {model}")
-        tool("map", self.kitti / sequence, "--labels", OUT / sequence / "network_distributions",
+        files.program("map", self.kitti / sequence, "--labels", OUT / sequence / "network_distributions",
              *also, *options.split(), "--output", OUT / sequence / model)
 
     def map_models(self, sequences, which):
@@ -123,7 +117,7 @@ class Run:
             folder.mkdir(exist_ok=True)
             for frame, truth in files.frames(self.kitti / sequence / "gt", ".png").items():
                 stored = next((OUT / sequence / "network_distributions").glob(f"{frame:06}.*"))
-                tool("image_crf", self.kitti / sequence / "image_2" / truth.name, stored,
+                files.program("image_crf", self.kitti / sequence / "image_2" / truth.name, stored,
                      folder / truth.name, *options.split())
 
     def map_everything(self):

@@ -3,7 +3,6 @@
 pcl_semantic_evaluate: percent, exclusive unless it says inclusive."""
 
 import json
-import subprocess
 from functools import lru_cache
 from pathlib import Path
 
@@ -14,6 +13,8 @@ from lab import files
 
 CLASSES = [each["name"] for each in files.label_set()]
 IGNORED = ("sky", "pedestrian", "cyclist")
+SCANS = ("--label-set", files.KITTI_CLASSES, "--label-mapping",
+         files.ROOT / "data/label_mappings/semantic_kitti_to_kitti11.yaml")
 
 
 def read_labels(path):
@@ -58,24 +59,35 @@ def figures(counts, ignored=IGNORED):
     return result
 
 
+def evaluate(predictions, truths, covered_by, *options):
+    """What pcl_semantic_evaluate finds in folders, pooled."""
+    arguments = list(options)
+    for folders in zip(predictions, truths, covered_by):
+        for option, folder in zip(("--prediction", "--truth", "--covered-by"), folders):
+            arguments += [option, folder]
+    return json.loads(files.program("evaluate", "--json", *arguments))
+
+
 @lru_cache(maxsize=None)
 def panoptic(predictions, covered_by, truths):
     """Panoptic quality of the things of one or more sequences, in percent, and the number of
     true segments; all classes are pooled. Folders of .label files; the ground truth is
     SemanticKITTI's."""
-    command = [files.ROOT / "build/bin/pcl_semantic_evaluate", "--panoptic", "--json",
-               "--label-set", files.KITTI_CLASSES, "--label-mapping",
-               files.ROOT / "data/label_mappings/semantic_kitti_to_kitti11.yaml"]
-    for prediction, covered, truth in zip(predictions, covered_by, truths):
-        command += ["--prediction", prediction, "--covered-by", covered, "--truth", truth]
-    output = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
-    things = [each for each in json.loads(output)["classes"] if each["thing"]]
+    found = evaluate(predictions, truths, covered_by, "--panoptic", *SCANS)
+    things = [each for each in found["classes"] if each["thing"]]
     matched = sum(each["matched"] for each in things)
     segments = sum(each["segments"] for each in things)
     false = sum(each["false_positives"] for each in things)
     quality = sum(each["sq"] * each["matched"] for each in things if each["matched"])
     size = matched + (false + segments - matched) / 2
     return 100 * quality / size if size else np.nan, segments
+
+
+def gains_row(name, network, gains):
+    """Pairs of mean IoU and global accuracy, of the network and of maps above it."""
+    cells = [f"{network[0]:.1f} / {network[1]:.1f}"]
+    cells += [f"{iou:+.1f} / {accuracy:+.1f}" for iou, accuracy in gains]
+    return f"| {name} | {' | '.join(cells)} |"
 
 
 def header(titles):

@@ -131,9 +131,7 @@ class Tables:
 
     def answer(self, view):
         def line(name, found):
-            cells = [f"{a:.1f} / {b:.1f}" for a, b in found[:1]]
-            cells += [f"{a:+.1f} / {b:+.1f}" for a, b in found[1:]]
-            return f"| {name} | {' | '.join(cells)} |"
+            return scores.gains_row(name, found[0], found[1:])
         found = {street: self.gains(view, [street]) for street in self.streets}
         worst_first = sorted(found, key=lambda street: round(found[street][1][0], 1))
         return (["| street | 2D network | map | map, final | calibrated | the CRF's part |",

@@ -191,18 +191,7 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
     badParameter("the voxels have ", voxels.size(), " indices, their cloud ",
                  (voxels.cloud ? voxels.cloud->size() : 0), " points");
   const SplatImage splats = renderSplats(voxels, camera, T_world_camera, max_depth);
-  RenderedLabels result;
-  result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
-  result.depth = splats.depth;
-  result.indices = splats.voxel;
-  for (int row = 0; row < camera.height; ++row)
-    for (int column = 0; column < camera.width; ++column) {
-      const int voxel = splats.voxel.at<int>(row, column);
-      if (voxel >= 0)
-        result.labels.at<std::uint8_t>(row, column) =
-            requireLabel((*voxels.cloud)[std::size_t(voxel)].label);
-    }
-  return result;
+  return {splats.label, splats.depth, splats.voxel};
 }
 
 } // namespace pcl_semantic

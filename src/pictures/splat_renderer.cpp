@@ -162,6 +162,7 @@ public:
         for (int l = 1; l < classes_; ++l)
           if (votes[l].sum > (winner == votes ? 0.0f : winner->sum))
             winner = votes + l;
+        image.label.at<Label>(v, u) = Label(winner - votes);
         image.voxel.at<std::int32_t>(v, u) = std::int32_t(winner->voxel);
         image.depth.at<float>(v, u) = winner->depth;
       }
@@ -229,7 +230,8 @@ renderSplats(const VoxelCloud& voxels, const StereoCamera& camera,
       for (int x = splat.first_column / kTile; x <= splat.last_column / kTile; ++x)
         tiles[std::size_t(y * across + x)].push_back(std::uint32_t(s));
   }
-  SplatImage image{cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1)),
+  SplatImage image{cv::Mat::zeros(camera.height, camera.width, CV_8UC1),
+                   cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1)),
                    cv::Mat::zeros(camera.height, camera.width, CV_32FC1)};
   std::vector<Tile> buffers(std::size_t(omp_get_max_threads()),
                             Tile(camera, voxels.voxel_size, classes));

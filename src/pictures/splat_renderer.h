@@ -9,8 +9,9 @@
 
 namespace pcl_semantic {
 
-/** \brief The visible voxel of each pixel and its depth. */
+/** \brief The class and the visible voxel of each pixel. */
 struct SplatImage {
+  cv::Mat label; ///< CV_8UC1; 0 = no voxel, or an unlabelled one
   cv::Mat voxel; ///< CV_32SC1, index in the cloud; -1 = none
   cv::Mat depth; ///< CV_32FC1, camera z of the voxel's point [m]; 0 = no voxel
 };

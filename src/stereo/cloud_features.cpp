@@ -111,6 +111,14 @@ levelOf(const cv::Mat& sums, int u, int v, const Eigen::Vector3f& up)
   return std::abs(normal.dot(up)) / normal.norm(); // NaN without a normal
 }
 
+// To the right of the camera along the ground, unit length.
+Eigen::Vector3d
+rightAlong(const Eigen::Hyperplane<double, 3>& ground)
+{
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitX();
+  return (right - right.dot(ground.normal()) * ground.normal()).normalized();
+}
+
 void
 addGeometry(const Cloud& cloud, const Eigen::Hyperplane<double, 3>& ground,
             std::vector<PointFeatures>& features)
@@ -153,13 +161,6 @@ fitGroundPlane(const Cloud& cloud, const std::vector<std::uint8_t>& is_ground,
   if (!(normal.norm() < 1.0 / std::cos(M_PI / 6.0)))
     return std::nullopt;
   return Eigen::Hyperplane<double, 3>(normal.normalized(), plane[2] / normal.norm());
-}
-
-Eigen::Vector3d
-rightAlong(const Eigen::Hyperplane<double, 3>& ground)
-{
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitX();
-  return (right - right.dot(ground.normal()) * ground.normal()).normalized();
 }
 
 std::vector<PointFeatures>

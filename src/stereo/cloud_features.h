@@ -28,10 +28,6 @@ std::optional<Eigen::Hyperplane<double, 3>>
 fitGroundPlane(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                const std::vector<std::uint8_t>& is_ground, double max_distance = 25.0);
 
-/** \brief Direction to the right of a camera along the ground, unit length.
- * \param[in] ground normal towards the camera, camera frame */
-Eigen::Vector3d rightAlong(const Eigen::Hyperplane<double, 3>& ground);
-
 /** \brief Computes colour features and, relative to the ground, height, distance, level
  * and side of the points of an organized cloud. The result does not depend on the
  * number of threads.

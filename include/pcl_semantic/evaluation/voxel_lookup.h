@@ -114,10 +114,13 @@ struct RenderedLabels {
  * that hit the voxel, and ends at 0.87 voxels. Unlabelled voxels show only where there
  * are no others. The result depends neither on the number of threads nor on the order
  * of the voxels. Voxels nearer than z = 0.1 m are ignored: they are noise or part of
- * the vehicle. \param[in] voxels points, observations, voxel size and the labels of the
- * cloud are used \param[in] camera pinhole with its image size \param[in]
- * T_world_camera pose of the camera (x right, y down, z forward) \param[in] max_depth
- * largest camera z of a point [m]; may be infinite \return images of height x width
+ * the vehicle.
+ *
+ * \param[in] voxels points, observations, voxel size and labels of the cloud are used
+ * \param[in] camera pinhole with its image size
+ * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
+ * \param[in] max_depth largest camera z of a point [m]; may be infinite
+ * \return images of height x width
  * \throws InvalidParameterException if cloud and indices differ in length, or if voxel
  * size, image size or \a max_depth is not positive
  * \throws BadInputException if the pose is not rigid, or a label is above 255 */

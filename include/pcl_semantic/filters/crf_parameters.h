@@ -89,7 +89,9 @@ struct SemanticCRFParameters {
    * Deviations are at least two and at most ten times the spacing; of rgbd, they are at
    * least one (smoothness) or two times (appearance) the spacing and at most an eighth
    * or a quarter of the extent. The logit adjustment is 1 only if rgbd is set, not if
-   * it follows from colours. \param[in] spacing CRFReport::spacing; 0 = unknown
+   * it follows from colours.
+   *
+   * \param[in] spacing CRFReport::spacing; 0 = unknown
    * \param[in] has_colours whether the points have colours
    * \param[in] extent CRFReport::extent; 0 = unknown */
   SemanticCRFParameters resolved(double spacing, bool has_colours,

@@ -11,10 +11,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Lower clamp of a network's probabilities. The size of smaller probabilities
- * carries no information. */
-constexpr float kMinProbability = 1e-4f;
-
 /** \brief One curve per class over a feature. A curve is linear between its knots and
  * constant beyond the first and the last. */
 struct ClassCurves {
@@ -48,8 +44,8 @@ struct LabelCalibration {
     return static_cast<int>(fitted.size());
   }
 
-  /** \brief A calibration of L classes that changes probabilities only by the clamp
-   * kMinProbability. */
+  /** \brief A calibration of L classes that changes probabilities only by the
+   * clamp at 1e-4. */
   static LabelCalibration identity(int classes);
 
   /** \throws InvalidParameterException unless the bias has L values and each curve L x
