@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/files/object_file.h>
+#include <pcl_semantic/files/plane_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
@@ -51,6 +52,7 @@ struct Arguments {
   std::vector<std::string> classes; ///< empty = all
   std::vector<std::string> poses;   ///< corrected trajectories; empty = none
   std::string objects, boxes;       ///< files of export; empty = none
+  std::string planes, polygons;     ///< the same
 };
 
 BlockProgress
@@ -164,16 +166,38 @@ writeThings(const MapReader& archive, const VoxelSelection& selection,
     writeBoxes(arguments.boxes, objects, label_set);
 }
 
+// Planes follow from the selected voxels, which are in memory then.
+void
+writePlanesOf(const MapReader& archive, const VoxelSelection& selection,
+              const Arguments& arguments, Results& results)
+{
+  requireOutput(arguments.planes, ".json");
+  requireOutput(arguments.polygons, ".ply");
+  if (arguments.planes.empty() && arguments.polygons.empty())
+    return;
+  const LabelSet& label_set = archive.header().label_set;
+  const VoxelCloud voxels = readVoxels(archive, selection);
+  const std::vector<PlaneSummary> planes =
+      findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).planes;
+  results.push_back({"planes", planes.size()});
+  if (!arguments.planes.empty())
+    writePlanes(arguments.planes, planes, label_set);
+  if (!arguments.polygons.empty())
+    writePolygons(arguments.polygons, planes, label_set);
+}
+
 int
 exportCloud(const Arguments& arguments)
 {
   refuseIf(arguments.files.size() != 2, "'export' needs FILE and OUT.pcd");
   refuseSameFiles({arguments.files[0]},
-                  {arguments.files[1], arguments.objects, arguments.boxes});
+                  {arguments.files[1], arguments.objects, arguments.boxes,
+                   arguments.planes, arguments.polygons});
   const std::unique_ptr<MapReader> archive = MapReader::open(arguments.files[0]);
   const VoxelSelection selection = selectionOf(arguments, archive->header().label_set);
   Results things;
   writeThings(*archive, selection, arguments, things);
+  writePlanesOf(*archive, selection, arguments, things);
   const std::size_t voxels =
       exportVoxels(*archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
@@ -255,6 +279,10 @@ parse(int argc, char** argv)
        {"objects", arguments.objects,
         "file for the objects of export (.json), see doc/things.md"},
        {"boxes", arguments.boxes, "file for the boxes of the objects of export (.ply)"},
+       {"planes", arguments.planes,
+        "file for the planes of export (.json), see doc/things.md"},
+       {"polygons", arguments.polygons,
+        "file for the outlines of the planes of export (.ply)"},
        {"poses", arguments.poses,
         "corrected trajectory (KITTI or TUM) for merge and changes; moves "
         "each map rigidly with the pose of its middle frame; one for all "
@@ -278,8 +306,10 @@ runCommand(const Arguments& arguments)
                "': expected info, verify, export, merge or changes");
   refuseIf(command->second != exportCloud &&
                !(arguments.box.empty() && arguments.classes.empty() &&
-                 arguments.objects.empty() && arguments.boxes.empty()),
-           "--box, --class, --objects and --boxes are for 'export'");
+                 arguments.objects.empty() && arguments.boxes.empty() &&
+                 arguments.planes.empty() && arguments.polygons.empty()),
+           "--box, --class, --objects, --boxes, --planes and --polygons are for "
+           "'export'");
   refuseIf(command->second != merge && command->second != changes &&
                !arguments.poses.empty(),
            "--poses is for 'merge' and 'changes'");

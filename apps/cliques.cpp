@@ -35,8 +35,8 @@ const Usage usage{
     "IN.pcd OUT.pcd --method METHOD [options]",
     R"(Groups the points of a cloud that are likely to have one label. OUT.pcd is IN.pcd
 with the field clique (0 = none), which pcl_semantic_crf --cliques field takes.
-Methods: cubes[:SIZE], supervoxel[:SEED_DISTANCE], superpixel[:NUMBER] (of a
-frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
+Methods: planes[:EDGE], supervoxel[:SEED_DISTANCE], cubes[:EDGE], superpixel[:NUMBER]
+(of a frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
     --output /tmp/raw_map && \
@@ -47,7 +47,7 @@ frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
     --coloured /tmp/coloured.pcd && \
   pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \
     --cliques field)",
-    {{"method METHOD", "cubes, supervoxel, superpixel or slic"},
+    {{"method METHOD", "planes, supervoxel, cubes, superpixel or slic"},
      {"frame FILE", "organized cloud in the camera frame, for superpixel"},
      {"pose POSE", "pose of the frame: FILE:ROW, or x y z qx qy qz qw"},
      {"coloured FILE", "output cloud with one colour per clique"},
@@ -105,8 +105,9 @@ parse(int argc, char** argv)
       {{"input", arguments.input, "input cloud"},
        {"output", arguments.output, "output cloud (.pcd)"},
        {"method", arguments.method,
-        "method: cubes[:SIZE], superpixel[:NUMBER], slic[:NUMBER] or "
-        "supervoxel[:SEED_DISTANCE]"},
+        "method: planes[:EDGE], supervoxel[:SEED_DISTANCE], cubes[:EDGE], "
+        "superpixel[:NUMBER] or slic[:NUMBER]; several, separated by commas, if the "
+        "first have priority"},
        {"frame", frame.path,
         "organized cloud in the camera frame (.pcd), see pcl_semantic_stereo"},
        {"pose", frame.pose,
@@ -250,6 +251,8 @@ group(const Arguments& arguments)
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())
     warn(arguments.input + ": no point is left");
+  const auto means = std::make_shared<CliqueGenerator::Cloud>();
+  pcl::copyPointCloud(*read.cloud, *means);
   moveToVoxelCentres(read);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
@@ -257,6 +260,7 @@ group(const Arguments& arguments)
     setFrame(arguments.frame, arguments.input, read, *superpixels);
   try {
     generator->setOrigin(read.origin);
+    generator->setMeanPositions(means, read.table.voxel_grid[0]);
     read.cliques = generator->generate(cloud);
   }
   catch (const BadInputException& error) { // the generator does not report the file

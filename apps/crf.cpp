@@ -34,9 +34,10 @@ struct Arguments {
   Arguments()
   {
     parameters.clique_words =
-        "cliques: none, field = field 'clique' of IN, cubes[:SIZE [m]], slic "
-        "(organized clouds), supervoxel[:SEED_DISTANCE [m]], or a file with the point "
-        "indices of one clique per line";
+        "cliques: none, field = field 'clique' of IN, planes[:EDGE [m]], "
+        "supervoxel[:SEED_DISTANCE [m]], cubes[:EDGE [m]], slic (organized clouds), "
+        "several of them, separated by commas, the first with priority, or a file with "
+        "the point indices of one clique per line";
   }
 };
 
@@ -51,17 +52,18 @@ colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)"
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
     --output /tmp/raw_map && \
   pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf-sensor stereo \
-    --crf hierarchical --cliques cubes:1)",
+    --crf hierarchical --cliques planes)",
     {{"label-set FILE",
       "label set (.yaml), if labels do not show the number of classes"},
      {"label-mapping FILE", "mapping from numbers in IN to classes of the label set"},
-     {"cliques WORD", "field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file"},
+     {"cliques WORDS",
+      "planes, supervoxel[:DISTANCE], cubes[:EDGE], slic, field or a file"},
      {"crf dense", "CRF model: unary, dense, pn-potts or hierarchical"},
      {"crf-sensor WORD", "sensor of the points: stereo, rgbd or lidar"},
      {"crf-iterations N", "number of mean-field updates"},
      {"smoothness-weight 3", "weight of the smoothness kernel"},
      {"appearance-weight 8", "weight of the appearance kernel"},
-     {"clique-weight 1", "cost of a member whose label differs from its clique's"},
+     {"clique-weight 2", "cost of a member whose label differs from its clique's"},
      {"label-confidence 0.8", "probability of the class of a label"},
      {"threads 0", "number of threads; 0 = all processors"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -99,17 +101,24 @@ setCliques(const std::string& cliques, const Arguments& arguments,
 {
   if (cliques == "none" || input.cloud->empty())
     return;
+  // Only generators use them; the CRF moves voxels to their centres.
+  const auto means = std::make_shared<CliqueGenerator::Cloud>();
+  pcl::copyPointCloud(*input.cloud, *means);
   const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
   if (is_file && cliques.find_first_of("./") == std::string::npos && !isThere(cliques))
     fail<InvalidParameterException>(
         "cliques are '", cliques,
-        "', expected none, field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file");
+        "', expected none, field, planes[:EDGE], supervoxel[:DISTANCE], cubes[:EDGE], "
+        "slic or a file");
   if (cliques == "field" && input.table.find("clique") < 0)
     fail<BadInputException>(arguments.input, ": has no field 'clique'");
   if (cliques == "field")
     crf.setCliques(input.cliques);
-  else if (namesCloudCliques(cliques))
-    crf.setCliqueGenerator(makeCliqueGenerator(cliques));
+  else if (namesCloudCliques(cliques)) {
+    const CliqueGenerator::Ptr generator = makeCliqueGenerator(cliques);
+    generator->setMeanPositions(means, input.table.voxel_grid[0]);
+    crf.setCliqueGenerator(generator);
+  }
   else
     crf.setCliques(readCliques(cliques, input.cloud->size()));
 }
@@ -261,12 +270,12 @@ Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
   Filter crf;
-  moveToVoxelCentres(input);
   crf.setModel(arguments.parameters.model);
   crf.setParameters(arguments.parameters.parameters);
   if (!arguments.label_set.empty())
     crf.setThinLabels(readLabelSet(arguments.label_set).thinLabels());
   setCliques(arguments.parameters.cliques, arguments, input, crf);
+  moveToVoxelCentres(input);
   setMeasurements(arguments, input, crf);
   crf.setUseColour(input.has_colour);
   crf.setOrigin(input.origin);

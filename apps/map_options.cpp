@@ -144,7 +144,7 @@ outputsOf(MapOptions& options, ThingOptions& things, MapProgram program)
        "fail unless the label set marks classes as thing: their objects are numbered "
        "and followed over the frames, see objects.json and boxes.ply"},
       {"no-things", things.none,
-       "do not follow objects, which leave a trail if they move"},
+       "do not follow objects, which leave a trail if they move, and write no planes"},
       {"view", options.view, "show the map in a window while it grows"}};
   if (program == MapProgram::live) {
     all.emplace_back("every-frame", options.every_frame,

@@ -171,6 +171,9 @@ struct MapViewer::Inside {
       others.push_back(actorOf(map.path));
     for (const auto& actor : boxActors(map, state))
       others.push_back(actor);
+    if (state.boxes)
+      for (const auto& actor : outlineActors(map))
+        others.push_back(actor);
     if (state.pictures)
       for (const ViewedImage& picture : map.pictures)
         for (const auto& actor : actorsOf(picture))

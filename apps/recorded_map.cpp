@@ -80,6 +80,8 @@ mapRecording(const MapOptions& options, OpenedInputs inputs)
   results.push_back({"top_view", outputs.folder + "/top_view.png"});
   if (run.objects())
     results.push_back({"objects", outputs.folder + "/objects.json"});
+  if (options.config.things)
+    results.push_back({"planes", outputs.folder + "/planes.json"});
   if (options.inputs.hasCamera() && outputs.images)
     results.push_back({"overlays", outputs.folder + "/overlay"});
   results.push_back({"figures", outputs.folder + "/summary.json"});

@@ -4,6 +4,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/plane_file.h>
 #include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/pictures/scene_image.h>
 
@@ -38,7 +39,8 @@ validate(const Arguments& arguments)
                  "MAP or OUT.png is missing");
   tool::requireOutput(arguments.output, ".png");
   tool::refuseSameFiles({arguments.map, arguments.compare,
-                         arguments.picture.hints.trajectory, arguments.picture.objects},
+                         arguments.picture.hints.trajectory, arguments.picture.objects,
+                         arguments.picture.planes},
                         {arguments.output});
   tool::requireColour(arguments.colour);
 }
@@ -86,15 +88,23 @@ coloursOf(const Arguments& arguments, const tool::MapInput& map)
   return changeColours(map.scene, labelsAtVoxels(map.scene, other), map.label_set);
 }
 
-// The edges of the objects' boxes; in a picture of changes only those asked for.
+// The edges of the objects' boxes, in a picture of changes only those asked for, and
+// the outlines of planes.
 std::vector<SceneLine>
-boxesOf(const Arguments& arguments, const tool::MapInput& map)
+linesOf(const Arguments& arguments, const tool::MapInput& map)
 {
-  const std::string& file = arguments.picture.objects;
-  if (file.empty() && !arguments.compare.empty())
-    return {};
-  return boxLines(tool::readMapObjects(arguments.map, file, map.label_set),
-                  map.label_set, map.scene.origin + map.scene.grid.corner);
+  const Eigen::Vector3d origin = map.scene.origin + map.scene.grid.corner;
+  const std::string& objects = arguments.picture.objects;
+  std::vector<SceneLine> lines;
+  if (!objects.empty() || arguments.compare.empty())
+    lines = boxLines(tool::readMapObjects(arguments.map, objects, map.label_set),
+                     map.label_set, origin);
+  if (const std::string& planes = arguments.picture.planes; !planes.empty()) {
+    const std::vector<SceneLine> outlines =
+        outlineLines(readPlanes(planes, map.label_set), map.label_set, origin);
+    lines.insert(lines.end(), outlines.begin(), outlines.end());
+  }
+  return lines;
 }
 
 int
@@ -110,7 +120,7 @@ render(const Arguments& arguments)
   const cv::Mat picture = drawVoxels(
       map.scene, colours, view,
       arguments.picture.view == "camera" ? SensorPath() : tool::pathOf(poses),
-      boxesOf(arguments, map));
+      linesOf(arguments, map));
   writePng(arguments.output, picture);
   tool::printResults({{"picture", arguments.output}});
   return tool::exit_done;

@@ -50,6 +50,8 @@ withRenderOptions(RenderOptions& options, std::vector<Option> first,
        {"objects", options.objects,
         "objects whose boxes are drawn (.json), or none (default: objects.json of the "
         "folder)"},
+       {"planes", options.planes,
+        "planes whose outlines are drawn (.json), such as planes.json of the folder"},
        {"from", options.texts.from,
         "position of the view, X,Y,Z in the frame of the map [m]"},
        {"look-at", options.texts.look_at, "point to look at, X,Y,Z [m]"},

@@ -17,6 +17,7 @@ namespace pcl_semantic::tool {
 struct RenderOptions {
   MapHints hints;
   std::string objects;           ///< file, "none", or empty: that of the map
+  std::string planes;            ///< file; empty: none
   std::string view = "angle";    ///< angle, above, camera
   cv::Size size;                 ///< [px]
   bool looks_from = false;       ///< whether the next two are given
@@ -29,9 +30,9 @@ struct RenderOptions {
   } texts;
 };
 
-/** \brief Returns the options \a first, then --trajectory, --objects, --from,
- * --look-at, --label-set, --voxel-size, --view and --frame, then \a last. The program
- * adds --size. */
+/** \brief Returns the options \a first, then --trajectory, --objects, --planes,
+ * --from, --look-at, --label-set, --voxel-size, --view and --frame, then \a last. The
+ * program adds --size. */
 std::vector<Option> withRenderOptions(RenderOptions& options, std::vector<Option> first,
                                       const std::vector<Option>& last);
 

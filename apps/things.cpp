@@ -8,9 +8,12 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/object_file.h>
+#include <pcl_semantic/files/plane_file.h>
 #include <pcl_semantic/things/object_extraction.h>
 #include <pcl_semantic/things/object_summary.h>
+#include <pcl_semantic/things/plane_summary.h>
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,23 +27,30 @@ using namespace pcl_semantic::tool;
 const Usage usage{
     "pcl_semantic_things",
     "IN OUT.pcd [options]",
-    R"(Finds the objects of a labelled cloud: groups of points of one class with gaps of
-at most --gap. OUT.pcd is IN with the field object (0 = none). Classes marked thing
-in the label set have objects; without a label set, all classes do.)",
+    R"(Finds the objects and planes of a labelled cloud. OUT.pcd is IN with the fields
+object and plane (0 = none). An object is a group of points of one class with gaps
+of at most --gap. Classes marked thing in the label set have objects; without a
+label set, all classes do. A plane may have points of several classes.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && \
   pcl_semantic_things /tmp/map/map.pcd /tmp/things.pcd \
-    --label-set data/label_sets/kitti11.yaml --objects /tmp/objects.json)",
+    --label-set data/label_sets/kitti11.yaml --objects /tmp/objects.json \
+    --planes /tmp/planes.json)",
     {{"label-set FILE", "label set (.yaml), which marks things"},
      {"gap 0.7", "maximum distance between neighbouring points of an object [m]"},
      {"min-points 20", "minimum number of points of an object"},
      {"objects FILE", "output list of objects (.json)"},
-     {"boxes FILE", "output boxes as lines (.ply)"}}};
+     {"boxes FILE", "output boxes as lines (.ply)"},
+     {"plane-area N", "minimum area of a plane [m^2]"},
+     {"planes FILE", "output list of planes (.json)"},
+     {"polygons FILE", "output outlines of planes as lines (.ply)"}}};
 
 struct Arguments {
-  std::string input, output, objects, boxes, label_set, label_mapping, scan_columns;
+  std::string input, output, objects, boxes, planes, polygons;
+  std::string label_set, label_mapping, scan_columns;
   double gap = ObjectExtractionBase::default_gap;
   int min_points = 20;
+  PlaneParameters plane;
 };
 
 Arguments
@@ -60,8 +70,17 @@ parse(int argc, char** argv)
        {"min-points", withDefault(arguments.min_points),
         "minimum number of points of an object"},
        {"objects", arguments.objects, "output list of objects (.json)"},
-       {"boxes", arguments.boxes,
-        "output boxes as lines, one colour per class (.ply)"}},
+       {"boxes", arguments.boxes, "output boxes as lines, one colour per class (.ply)"},
+       {"plane-radius", withDefault(arguments.plane.radius),
+        "radius of the surroundings of a point, for its normal [m]; 0 = three times "
+        "the spacing of the points, at least 0.15"},
+       {"plane-distance", withDefault(arguments.plane.distance),
+        "maximum distance of a point from its plane [m]; 0 = 0.4 times the radius"},
+       {"plane-area", withDefault(arguments.plane.min_area),
+        "minimum area of a plane [m^2]; 0 = five times the square of the radius"},
+       {"planes", arguments.planes, "output list of planes (.json)"},
+       {"polygons", arguments.polygons,
+        "output outlines of planes as lines, one colour per class (.ply)"}},
       {"input", "output"});
   refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
   refuseIf(arguments.label_set.empty() && !arguments.label_mapping.empty(),
@@ -71,8 +90,12 @@ parse(int argc, char** argv)
   requireOutput(arguments.output, ".pcd");
   requireOutput(arguments.objects, ".json");
   requireOutput(arguments.boxes, ".ply");
+  requireOutput(arguments.planes, ".json");
+  requireOutput(arguments.polygons, ".ply");
+  arguments.plane.validate();
   refuseSameFiles({arguments.input, arguments.label_set, arguments.label_mapping},
-                  {arguments.output, arguments.objects, arguments.boxes});
+                  {arguments.output, arguments.objects, arguments.boxes,
+                   arguments.planes, arguments.polygons});
   return arguments;
 }
 
@@ -137,30 +160,40 @@ extract(const Arguments& arguments)
     }
   LabelledCloud cloud = readCloud(arguments, label_set);
   std::vector<pcl::PointIndices> objects;
+  CloudPlanes planes;
   try {
     extraction.setInputCloud(cloud.cloud);
     extraction.extract(objects);
+    planes = findPlanes(cloud.cloud, cloud.table.voxel_grid[0], cloud.origin,
+                        arguments.plane);
   }
   catch (const BadInputException& error) { // the extraction does not know the file
     fail<BadInputException>(arguments.input, ": ", error.what());
   }
   std::vector<std::uint32_t> numbers(cloud.cloud->size(), 0);
-  std::size_t members = 0;
   for (std::uint32_t o = 0; o < objects.size(); ++o)
-    for (const pcl::index_t i : objects[o].indices) {
+    for (const pcl::index_t i : objects[o].indices)
       numbers[std::size_t(i)] = o + 1;
-      ++members;
-    }
+  const auto membersOf = [](const std::vector<std::uint32_t>& each) {
+    return each.size() - std::size_t(std::count(each.begin(), each.end(), 0u));
+  };
   const std::vector<ObjectSummary> summaries = summarize(objects, cloud);
   if (!arguments.objects.empty())
     writeObjects(arguments.objects, summaries, label_set);
   if (!arguments.boxes.empty())
     writeBoxes(arguments.boxes, summaries, label_set);
+  if (!arguments.planes.empty())
+    writePlanes(arguments.planes, planes.planes, label_set);
+  if (!arguments.polygons.empty())
+    writePolygons(arguments.polygons, planes.planes, label_set);
   PcdTable table = cloud.table;
   table.setColumn("object", numbers);
+  table.setColumn("plane", planes.numbers);
   writeCloudTable(arguments.output, table);
   printResults({{"objects", objects.size()},
-                {"members", members},
+                {"members", membersOf(numbers)},
+                {"planes", planes.planes.size()},
+                {"members_of_planes", membersOf(planes.numbers)},
                 {"points", cloud.cloud->size()},
                 {"cloud", arguments.output}});
   return exit_done;

@@ -7,6 +7,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/plane_file.h>
 #include <pcl_semantic/images/image_file.h>
 
 #include <cmath>
@@ -109,7 +110,7 @@ parse(int argc, char** argv)
                  "--follow needs a window, --screenshot has none");
   tool::requireOutput(arguments.screenshot, ".png");
   tool::refuseSameFiles({arguments.map, arguments.picture.objects,
-                         arguments.picture.hints.trajectory,
+                         arguments.picture.planes, arguments.picture.hints.trajectory,
                          arguments.picture.hints.label_set},
                         {arguments.screenshot});
   if (!arguments.colour.empty())
@@ -202,6 +203,10 @@ openMap(const Arguments& arguments)
   opened.map.objects = tool::viewedObjects(
       tool::readMapObjects(arguments.map, arguments.picture.objects, input.label_set),
       input.label_set, input.scene.grid.size, input.scene.origin);
+  if (!arguments.picture.planes.empty())
+    opened.map.outlines =
+        outlineLines(readPlanes(arguments.picture.planes, input.label_set),
+                     input.label_set, input.scene.origin);
   opened.map.path = input.T_world_camera;
   for (Eigen::Isometry3d& pose : opened.map.path)
     pose.translation() -= input.scene.origin;

@@ -5,6 +5,7 @@
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/pictures/scene_lines.h>
 #include <pcl_semantic/pictures/voxel_colours.h>
 #include <pcl_semantic/things/object_summary.h>
 
@@ -57,6 +58,7 @@ struct ViewedMap {
   Trajectory path;                   ///< of the camera
   std::vector<ViewedImage> pictures;
   std::vector<ViewedObject> objects;
+  std::vector<SceneLine> outlines; ///< of planes
 
   /** \brief Height of a voxel's centre [m]. */
   double

@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <tuple>
 
 #include <vtkActor.h>
 #include <vtkActor2D.h>
@@ -240,6 +242,23 @@ vtkSmartPointer<vtkActor>
 actorOf(const Trajectory& path)
 {
   return lineActor({pathOf(path)}, 4.0f);
+}
+
+std::vector<vtkSmartPointer<vtkActor>>
+outlineActors(const ViewedMap& map)
+{
+  std::map<std::tuple<int, int, int>, std::vector<SensorPath>> by_colour;
+  for (const auto& [from, to, colour] : map.outlines)
+    by_colour[{colour[0], colour[1], colour[2]}].push_back({from, to});
+  std::vector<vtkSmartPointer<vtkActor>> actors;
+  for (const auto& [colour, lines] : by_colour) {
+    const auto [blue, green, red] = colour;
+    actors.push_back(lineActor(lines, 5.0f, cv::Vec3b(255, 255, 255)));
+    actors.push_back(lineActor(
+        lines, 2.0f,
+        cv::Vec3b(std::uint8_t(blue), std::uint8_t(green), std::uint8_t(red))));
+  }
+  return actors;
 }
 
 std::vector<vtkSmartPointer<vtkActor>>

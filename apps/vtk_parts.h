@@ -24,6 +24,9 @@ vtkSmartPointer<vtkActor> actorOf(const ViewedMap& map, const ViewState& state);
 /** \brief The path of a camera, in the red of rendered images. */
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
+/** \brief The outlines of a map's planes, with a white border. */
+std::vector<vtkSmartPointer<vtkActor>> outlineActors(const ViewedMap& map);
+
 /** \brief The visible boxes of objects in the colours of their classes, the selected
  * one in red, with white borders for contrast. */
 std::vector<vtkSmartPointer<vtkActor>> boxActors(const ViewedMap& map,

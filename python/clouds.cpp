@@ -7,6 +7,7 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/superpixels/clique_config.h>
 #include <pcl_semantic/things/object_extraction.h>
+#include <pcl_semantic/things/plane_summary.h>
 
 #include <pcl/common/io.h>
 
@@ -46,8 +47,9 @@ warnOfNoReturns(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 CliqueGenerator::Ptr
 generatorOf(const std::string& kind)
 {
-  if (!namesCloudCliques(kind) || kind.rfind("slic", 0) == 0)
-    badParameter("cliques: '", kind, "', expected cubes:SIZE or supervoxel:DISTANCE");
+  if (!namesCloudCliques(kind) || namesCliques(kind, "slic"))
+    badParameter("cliques: '", kind,
+                 "', expected planes[:EDGE], supervoxel[:DISTANCE] or cubes[:EDGE]");
   return makeCliqueGenerator(kind);
 }
 
@@ -92,7 +94,7 @@ requireFitting(CRFConfig& config, const py::kwargs& given, bool has_probabilitie
   const bool needs_cliques = config.model == CRFModelType::pn_potts ||
                              config.model == CRFModelType::hierarchical;
   if (needs_cliques && !has_cliques)
-    badParameter("crf='", model, "' needs cliques: N numbers, or 'cubes:1'");
+    badParameter("crf='", model, "' needs cliques: N numbers, or 'planes'");
   if (has_cliques && !needs_cliques)
     badParameter("cliques has no effect ", with);
   if (has_thin && config.model == CRFModelType::unary)
@@ -206,6 +208,65 @@ objects(const py::object& points, const py::object& given_labels, double gap,
   return numbersOf(found, cloud->size());
 }
 
+py::list
+listOf(const PlaneRing& ring)
+{
+  py::list corners;
+  for (const Eigen::Vector3d& corner : ring)
+    corners.append(py::make_tuple(corner.x(), corner.y(), corner.z()));
+  return corners;
+}
+
+py::dict
+dictOf(const PlaneSummary& plane)
+{
+  py::list polygons;
+  for (const PlanePolygon& polygon : plane.polygons) {
+    py::list holes;
+    for (const PlaneRing& hole : polygon.holes)
+      holes.append(listOf(hole));
+    py::dict each;
+    each["outer"] = listOf(polygon.outer);
+    each["holes"] = holes;
+    polygons.append(each);
+  }
+  py::dict result;
+  result["id"] = plane.id;
+  result["label"] = int(plane.label);
+  result["points"] = plane.points;
+  result["normal"] =
+      py::make_tuple(plane.normal.x(), plane.normal.y(), plane.normal.z());
+  result["offset"] = plane.offset;
+  result["area"] = plane.area;
+  result["polygons"] = polygons;
+  return result;
+}
+
+py::tuple
+planes(const py::object& points, const py::object& given_labels, double radius,
+       double distance, double min_area)
+{
+  PlaneParameters parameters;
+  parameters.radius = radius;
+  parameters.distance = distance;
+  parameters.min_area = min_area;
+  const auto [cloud, origin] = localCloudOf(points, std::nullopt);
+  for (pcl::PointXYZRGBL& point : *cloud)
+    point.label = 0;
+  if (!given_labels.is_none())
+    setLabels(integersOf<std::int64_t>(given_labels, "labels"), 0, *cloud);
+  warnOfNoReturns(*cloud);
+  const CloudPlanes found = released([&, &given = cloud, &from = origin] {
+    return findPlanes(given, 0.0, from, parameters);
+  });
+  py::list list;
+  for (const PlaneSummary& plane : found.planes)
+    list.append(dictOf(plane));
+  return py::make_tuple(py::array_t<std::uint32_t>(py::ssize_t(found.numbers.size()),
+                                                   found.numbers.data()),
+                        list);
+}
+
 } // namespace
 
 void
@@ -222,14 +283,25 @@ bindClouds(py::module_& module)
       "labels: N, 0 = unlabelled, of which classes there are (0: the largest); an\n"
       "instance in the upper 16 bits is taken off.\n"
       "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"
-      "word of a generator ('cubes:1'). thin: labels that neighbours do\n"
+      "word of a generator ('planes'). thin: labels that neighbours do\n"
       "not outvote. Other keywords are parameters of pcl_semantic_crf:\n"
       " crf='hierarchical', smoothness_weight=3.\n"
       "Returns labels (N) and probabilities (N x L).");
-  module.def("cliques", &cliques, py::arg("points"), py::arg("kind") = "cubes:1",
-             py::kw_only(), py::arg("colours") = py::none(),
-             "Groups points that are likely to have one label: 'cubes:EDGE',\n"
-             "'supervoxel:SIZE'. Returns N numbers, 0 = in none.");
+  module.def(
+      "cliques", &cliques, py::arg("points"), py::arg("kind") = "planes", py::kw_only(),
+      py::arg("colours") = py::none(),
+      "Groups points that are likely to have one label: 'planes[:EDGE]',\n"
+      "'supervoxel[:DISTANCE]', 'cubes[:EDGE]', or several, separated by commas,\n"
+      "the first with priority. Returns N numbers, 0 = in none.");
+  module.def(
+      "planes", &planes, py::arg("points"), py::kw_only(),
+      py::arg("labels") = py::none(), py::arg("radius") = 0.0,
+      py::arg("distance") = 0.0, py::arg("min_area") = 0.0,
+      "Finds the planes of a cloud, as pcl_semantic_things does.\n\n"
+      "points: N x 3 [m]. labels: N, for the class of a plane. radius of the\n"
+      "surroundings of a point, distance of a point from its plane [m], min_area\n"
+      "[m^2]; 0 = automatic. Returns N numbers, 0 = none, and a list of dicts as\n"
+      "in planes.json: id, label, points, normal, offset, area, polygons.");
   module.def(
       "objects", &objects, py::arg("points"), py::arg("labels"), py::kw_only(),
       py::arg("gap") = ObjectExtractionBase::default_gap, py::arg("min_points") = 20,

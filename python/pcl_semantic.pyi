@@ -1,7 +1,7 @@
 """Semantic 3D occupancy maps, and a CRF over labelled clouds."""
 
 import os
-from typing import Any, Dict, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,14 +16,22 @@ def refine(
     probabilities: Optional[ArrayLike] = None,  # N x L, column k is class k + 1
     labels: Optional[ArrayLike] = None,  # N, 0 = unlabelled
     colours: Optional[ArrayLike] = None,  # N x 3, red, green, blue
-    cliques: Union[None, str, ArrayLike] = None,  # N numbers, 0 = none; or "cubes:1"
+    cliques: Union[None, str, ArrayLike] = None,  # N numbers, 0 = none; or "planes"
     classes: int = 0,  # L, for labels; 0 = the largest label
     thin: Sequence[int] = (),  # labels of poles and the like, see crf_keep_thin
     **parameters: Any,  # those of pcl_semantic_crf: smoothness_weight=3.0
 ) -> Tuple[NDArray[np.uint8], NDArray[np.float32]]: ...
 def cliques(
-    points: ArrayLike, kind: str = "cubes:1", *, colours: Optional[ArrayLike] = None
+    points: ArrayLike, kind: str = "planes", *, colours: Optional[ArrayLike] = None
 ) -> NDArray[np.int32]: ...
+def planes(
+    points: ArrayLike,  # N x 3 [m]
+    *,
+    labels: Optional[ArrayLike] = None,
+    radius: float = 0.0,  # [m]; 0 = automatic
+    distance: float = 0.0,
+    min_area: float = 0.0,  # [m^2]
+) -> Tuple[NDArray[np.uint32], List[Dict[str, Any]]]: ...
 def objects(
     points: ArrayLike, labels: ArrayLike, *, gap: float = 0.7, min_points: int = 20
 ) -> NDArray[np.int32]: ...

@@ -109,7 +109,7 @@ class Refine(unittest.TestCase):
                  {"labels": noisy, "colours": points / 4}),
                 ("colours hold 256", {"labels": noisy,
                                       "colours": np.full((4000, 3), 256)}),
-                ("'superpixel', expected cubes",
+                ("'superpixel', expected planes",
                  {"labels": noisy, "crf": "hierarchical", "cliques": "superpixel"}),
                 ("-1 of point 0", {"labels": noisy - 10 * (noisy > 0) + 8 - (noisy > 1)}),
                 ("smoothness_weight is -1", {"labels": noisy, "smoothness_weight": -1}),
@@ -374,6 +374,26 @@ class Cliques(unittest.TestCase):
 
 
 class Objects(unittest.TestCase):
+    def test_planes(self):
+        x, y = np.meshgrid(np.arange(0, 2, 0.05), np.arange(0, 1, 0.05))
+        floor = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+        wall = floor[:, [0, 2, 1]] + [0, 3, 5]
+        points = np.concatenate([floor, wall]) + [1e6, 0, 0]  # too far for single precision
+        labels = np.repeat([3, 1], x.size)
+        numbers, planes = pcl_semantic.planes(points, labels=labels)
+        np.testing.assert_array_equal(numbers, np.repeat([1, 2], x.size))
+        self.assertEqual([each["label"] for each in planes], [3, 1])
+        np.testing.assert_allclose(planes[0]["normal"], [0, 0, 1], atol=1e-6)
+        np.testing.assert_allclose(planes[1]["normal"], [0, 1, 0], atol=1e-6)
+        self.assertAlmostEqual(planes[1]["offset"], -3, places=5)
+        self.assertAlmostEqual(planes[0]["area"], 2, delta=0.4)
+        outer = np.array(planes[0]["polygons"][0]["outer"])
+        self.assertLess(abs(outer[:, 0].mean() - 1e6 - 1), 0.3)
+        self.assertEqual(pcl_semantic.planes(points, min_area=9)[0].max(), 0)
+        self.assertEqual(pcl_semantic.planes([])[1], [])
+        with self.assertRaisesRegex(Exception, "radius of planes"):
+            pcl_semantic.planes(points, radius=-1)
+
     def test_groups_of_one_label_are_numbered(self):
         points = [[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [3, 0, 0], [3.5, 0, 0], [0, 0.1, 0],
                   [np.nan, 0, 0]]
@@ -551,7 +571,7 @@ class Unread(unittest.TestCase):
                 (mapper, {"label_confidence": 0.9}, "label_confidence has no effect beside"),
                 (mapper, {"clique_weight": 9}, "clique_weight has no effect with crf='dense'"),
                 (mapper, {"crf": "hierarchical", "superpixel_depth_jump": 1},
-                 "superpixel_depth_jump has no effect with cliques='cubes:1'"),
+                 "superpixel_depth_jump has no effect with cliques='planes'"),
                 (mapper, {"crf": "none", "crf_every": 2}, "crf_every has no effect with crf='none")]:
             with self.assertRaisesRegex(ValueError, message):
                 call(**given)

@@ -16,20 +16,41 @@ CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
     cliques = generate(*input_);
   }
   else {
-    Cloud chosen;
-    for (const pcl::index_t i : *indices_) {
+    for (const pcl::index_t i : *indices_)
       if (i < 0 || std::size_t(i) >= input_->size())
         badParameter("cliques: index ", i, " is beyond the ", input_->size(),
                      " points of the cloud");
-      chosen.push_back((*input_)[std::size_t(i)]);
-    }
-    cliques = generate(chosen);
+    const Cloud::ConstPtr means = means_;
+    if (means)
+      means_ = std::make_shared<Cloud>(meansOr(*input_), *indices_);
+    cliques = generate(Cloud(*input_, *indices_));
+    means_ = means;
     for (pcl::PointIndices& clique : cliques)
       for (pcl::index_t& i : clique.indices)
         i = (*indices_)[std::size_t(i)];
   }
   for (pcl::PointIndices& clique : cliques)
     clique.header = input_->header;
+}
+
+void
+CliqueGenerator::configure(CliqueGenerator& other) const
+{
+  other.origin_ = origin_;
+  other.judges_steps_ = judges_steps_;
+  other.means_ = means_;
+  other.voxel_size_ = voxel_size_;
+}
+
+const CliqueGenerator::Cloud&
+CliqueGenerator::meansOr(const Cloud& cloud) const
+{
+  if (!means_)
+    return cloud;
+  if (means_->size() != cloud.size())
+    badParameter("cliques: ", means_->size(), " mean positions for a cloud of ",
+                 cloud.size(), " points");
+  return *means_;
 }
 
 void

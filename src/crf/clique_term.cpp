@@ -93,16 +93,11 @@ public:
     kernels::inferenceLoops().softMax(costs_.column(0), messages_.column(0),
                                       marginals_.column(0), std::size_t(count),
                                       std::size_t(costs_.stride()));
-    if (!potential_.update_from_members)
-      for (Eigen::Index c = 0; c < count; ++c)
-        updateCliqueMessage(c);
   }
 
   void
   update(const PaddedColumns& marginals) override
   {
-    if (!potential_.update_from_members)
-      return;
     passMessages();
     const Eigen::Index count = marginals_.columns();
 #pragma omp parallel for schedule(dynamic, 8) if (count > 8)
@@ -134,17 +129,12 @@ private:
   setCosts(Eigen::Index c, const PaddedColumns& costs)
   {
     std::array<float, max_labels> values;
-    if (potential_.unary.size() > 0) {
-      std::copy_n(potential_.unary.col(c).data(), labels_, values.data());
-    }
-    else {
-      std::array<double, max_labels> sums;
-      sumMembers(c, costs, sums.data());
-      const double least = *std::min_element(sums.data(), sums.data() + labels_);
-      const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
-      for (std::size_t l = 0; l < std::size_t(labels_); ++l)
-        values[l] = float((sums[l] - least) / size);
-    }
+    std::array<double, max_labels> sums;
+    sumMembers(c, costs, sums.data());
+    const double least = *std::min_element(sums.data(), sums.data() + labels_);
+    const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
+    for (std::size_t l = 0; l < std::size_t(labels_); ++l)
+      values[l] = float((sums[l] - least) / size);
     if (potential_.free_label)
       values[std::size_t(labels_)] = float(potential_.freeCost(c));
     costs_.setColumn(c, values.data(), kernels::padding_cost);
@@ -216,15 +206,8 @@ private:
     const float* const q = marginals_.column(c);
     const float* const weight = weights(c);
     float* const message = clique_messages_.column(c);
-    if (!potential_.map_messages) {
-      for (Eigen::Index l = 0; l < labels_; ++l)
-        message[l] = weight[l] * q[l];
-      return;
-    }
-    const Eigen::Index map = std::max_element(q, q + marginals_.rows()) - q;
-    std::fill_n(message, labels_, 0.0f);
-    if (map < labels_) // the free label sends no message
-      message[map] = weight[map];
+    for (Eigen::Index l = 0; l < labels_; ++l)
+      message[l] = weight[l] * q[l];
   }
 
   bool self_interaction_;

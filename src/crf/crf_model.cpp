@@ -99,17 +99,6 @@ validateWeights(const Eigen::MatrixXf& weights, Eigen::Index labels,
                      ", expected 0 to 1e9");
 }
 
-void
-validateUnary(const Eigen::MatrixXf& unary, Eigen::Index labels, Eigen::Index cliques)
-{
-  if (unary.rows() != labels || unary.cols() != cliques)
-    badParameter("the unary costs of the cliques are ", unary.rows(), " x ",
-                 unary.cols(), ", expected ", labels, " x ", cliques);
-  for (Eigen::Index c = 0; c < cliques; ++c)
-    if (!unary.col(c).allFinite())
-      badParameter("a unary cost of clique ", c, " is not finite");
-}
-
 } // namespace
 
 void
@@ -124,14 +113,9 @@ CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
   validateWeights(weights, labels, count);
   if (!(truncation > 0.0f && truncation <= 1.0f))
     badParameter("truncation is ", truncation, ", expected more than 0 and up to 1");
-  if (type == Type::pn_potts && (unary.size() > 0 || !kernels.empty()))
-    badParameter("P^n Potts cliques have no variables: unary costs of them and "
-                 "kernels between them need the robust potential");
-  if (!update_from_members && !kernels.empty())
-    badParameter(
-        "kernels between cliques need cliques that are updated from their members");
-  if (unary.size() > 0)
-    validateUnary(unary, labels, count);
+  if (type == Type::pn_potts && !kernels.empty())
+    badParameter("P^n Potts cliques have no variables: kernels between them need the "
+                 "robust potential");
   for (const auto& kernel : kernels)
     if (!kernel || kernel->size() != count)
       badParameter(

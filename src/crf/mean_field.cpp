@@ -42,6 +42,8 @@ public:
     for (CliquePotential& potential : model.cliques)
       terms_.push_back(
           makeCliqueTerm(std::move(potential), model.self_interaction, costs_));
+    if (model.start_from_cliques)
+      startFromCliques();
   }
 
   /** \brief One iteration: every Q(y_c) from the Q(x_i), then every Q(x_i) from both.
@@ -111,6 +113,24 @@ private:
     for (Eigen::Index i = 0; i < marginals_.columns(); ++i)
       for (const auto& kernel : kernels_)
         self_responses_[std::size_t(i)] += kernel->diagonal(i);
+  }
+
+  // Eqs. (10) and (11) without the kernels.
+  void
+  startFromCliques()
+  {
+    for (const auto& term : terms_)
+      term->update(marginals_);
+    const Eigen::Index count = marginals_.columns();
+#pragma omp parallel for schedule(static) if (count > block_size)
+    for (Eigen::Index begin = 0; begin < count; begin += block_size) {
+      const Eigen::Index end = std::min(count, begin + block_size);
+      for (const auto& term : terms_)
+        term->addMessages(marginals_, begin, end, messages_);
+      kernels::inferenceLoops().softMax(
+          costs_.column(begin), messages_.column(begin), marginals_.column(begin),
+          std::size_t(end - begin), std::size_t(messages_.stride()));
+    }
   }
 
   // Q(x_i), eq. (11), for a block of variables.

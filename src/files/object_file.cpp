@@ -2,18 +2,13 @@
 #include <pcl_semantic/files/object_file.h>
 
 #include "core/fail.h"
-#include "core/text_stream.h"
+#include "json_object.h"
+#include "ply_lines.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/input_file.h>
 
-#include <nlohmann/json.hpp>
-
-#include <array>
-#include <cstdint>
 #include <limits>
 #include <set>
-#include <utility>
 
 namespace pcl_semantic {
 
@@ -53,123 +48,6 @@ toJson(const ObjectSummary& object, const LabelSet& label_set)
   return json;
 }
 
-// An object of a JSON file. Messages name the file and the key.
-class JsonObject {
-public:
-  // \param[in] place file and key of the object
-  JsonObject(const nlohmann::json& json, std::string place)
-      : json_(json), place_(std::move(place))
-  {
-    if (!json.is_object())
-      badInput(place_, ": got ", textOf(json), ", expected an object");
-  }
-
-  bool
-  has(const char* key) const
-  {
-    return json_.contains(key);
-  }
-
-  const nlohmann::json&
-  at(const char* key) const
-  {
-    if (!has(key))
-      badInput(place_, ": has no ", key);
-    return json_[key];
-  }
-
-  JsonObject
-  object(const char* key) const
-  {
-    return {at(key), place_ + "." + key};
-  }
-
-  template <typename Number>
-  Number
-  whole(const char* key, Number least, Number most) const
-  {
-    const nlohmann::json& value = at(key);
-    if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
-        value.get<std::uint64_t>() > most)
-      refuse(key, value, least, " to ", most);
-    return Number(value.get<std::uint64_t>());
-  }
-
-  int
-  frame(const char* key, unsigned least = 0) const
-  {
-    return int(whole(key, least, unsigned(std::numeric_limits<int>::max())));
-  }
-
-  double
-  number(const char* key) const
-  {
-    if (!at(key).is_number())
-      refuse(key, at(key), "a number");
-    return at(key).get<double>();
-  }
-
-  double
-  notNegative(const char* key) const
-  {
-    if (number(key) < 0.0)
-      refuse(key, at(key), "0 or more");
-    return number(key);
-  }
-
-  // \param[in] count of numbers; 0 = any
-  std::vector<double>
-  numbers(const char* key, std::size_t count) const
-  {
-    const nlohmann::json& list = at(key);
-    bool is_good = list.is_array() && (count == 0 || list.size() == count);
-    for (std::size_t i = 0; is_good && i < list.size(); ++i)
-      is_good = list[i].is_number();
-    if (!is_good && count > 0)
-      refuse(key, list, count, " numbers");
-    if (!is_good)
-      refuse(key, list, "numbers");
-    return list.get<std::vector<double>>();
-  }
-
-  Eigen::Vector3d
-  vector(const char* key) const
-  {
-    return Eigen::Vector3d(numbers(key, 3).data());
-  }
-
-  std::string
-  text(const char* key) const
-  {
-    if (!at(key).is_string())
-      refuse(key, at(key), "a text");
-    return at(key).get<std::string>();
-  }
-
-  template <typename... Parts>
-  [[noreturn]] void
-  refuse(const char* key, const nlohmann::json& value, const Parts&... expected) const
-  {
-    badInput(place_, ".", key, ": got ", textOf(value), ", expected ", expected...);
-  }
-
-private:
-  static std::string
-  textOf(const nlohmann::json& value)
-  {
-    if (value.is_array())
-      return "a list of " + std::to_string(value.size());
-    if (value.is_object())
-      return "an object";
-    constexpr std::size_t most = 60; // letters
-    const std::string text = value.dump();
-    return text.size() > most ? text.substr(0, most) + "..." : text;
-  }
-
-  const nlohmann::json& json_;
-  std::string place_;
-};
-
 ObjectTrack
 trackFrom(const JsonObject& json)
 {
@@ -206,10 +84,7 @@ objectFrom(const JsonObject& json, const LabelSet& label_set)
   ObjectSummary object;
   object.id = json.whole("id", 1u, std::numeric_limits<std::uint32_t>::max());
   object.label = Label(json.whole("label", 1u, classes));
-  if (label_set.size() > 0 && json.has("class") &&
-      json.text("class") != label_set[object.label].name)
-    json.refuse("class", json.at("class"), label_set[object.label].name,
-                ", the name of label ", int(object.label), " in the label set");
+  json.requireClass(object.label, label_set);
   if (json.has("probabilities"))
     for (const double each :
          json.numbers("probabilities", std::size_t(label_set.size()))) {
@@ -228,21 +103,6 @@ objectFrom(const JsonObject& json, const LabelSet& label_set)
   return object;
 }
 
-nlohmann::json
-readJson(const std::string& path)
-{
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  try {
-    return nlohmann::json::parse(bytes.begin(), bytes.end());
-  }
-  catch (const nlohmann::json::parse_error& error) {
-    badInput(path, ": byte ", error.byte, " is no JSON");
-  }
-  catch (const nlohmann::json::exception&) {
-    badInput(path, ": a number is out of range");
-  }
-}
-
 } // namespace
 
 void
@@ -259,17 +119,13 @@ std::vector<ObjectSummary>
 readObjects(const std::string& path, const LabelSet& label_set)
 {
   const nlohmann::json json = readJson(path);
-  const nlohmann::json& list = JsonObject(json, path).at("objects");
-  if (!list.is_array())
-    badInput(path, ": objects is no list");
   std::vector<ObjectSummary> objects;
   std::set<std::uint32_t> numbers;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string place = path + ": objects[" + std::to_string(i) + "]";
-    objects.push_back(objectFrom(JsonObject(list[i], place), label_set));
-    if (!numbers.insert(objects.back().id).second)
-      badInput(place, ".id: got ", objects.back().id, ", which an earlier object has");
-  }
+  JsonObject(json, path)
+      .forEach("objects", [&](const nlohmann::json& object, const std::string& place) {
+        objects.push_back(objectFrom(JsonObject(object, place), label_set));
+        requireNewId(objects.back().id, place, numbers);
+      });
   return objects;
 }
 
@@ -277,25 +133,15 @@ void
 writeBoxes(const std::string& path, const std::vector<ObjectSummary>& objects,
            const LabelSet& label_set)
 {
-  TextStream text;
-  text << "ply\nformat ascii 1.0\nelement vertex " << 8 * objects.size()
-       << "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar "
-          "red\nproperty uchar green\nproperty uchar blue\nelement edge "
-       << YawBox::edges.size() * objects.size()
-       << "\nproperty int vertex1\nproperty int vertex2\nend_header\n";
-  text.precision(9);
+  PlyLines lines;
   for (const ObjectSummary& object : objects) {
-    std::array<std::uint8_t, 3> colour{255, 255, 255};
-    if (label_set.size() > 0)
-      colour = label_set[object.label].colour;
+    const std::size_t first = lines.corners.size();
     for (const Eigen::Vector3d& corner : object.yaw_box.corners())
-      text << corner.x() << " " << corner.y() << " " << corner.z() << " "
-           << int(colour[0]) << " " << int(colour[1]) << " " << int(colour[2]) << "\n";
-  }
-  for (std::size_t i = 0; i < objects.size(); ++i)
+      lines.corners.push_back({corner, colourOf(object.label, label_set)});
     for (const auto& [from, to] : YawBox::edges)
-      text << 8 * i + from << " " << 8 * i + to << "\n";
-  writeTextFile(path, text.str());
+      lines.edges.emplace_back(first + from, first + to);
+  }
+  writePlyLines(path, lines);
 }
 
 } // namespace pcl_semantic

@@ -15,14 +15,15 @@ cliqueParametersOf(SemanticCRFParameters& crf)
       {"clique_weight",
        "cost k_c of a member whose label differs from its clique's label",
        &crf.clique_weight},
+      {"clique_start",
+       "whether the first update of the kernels uses the messages of the cliques: true "
+       "or false (as in the paper)",
+       &crf.clique_start},
       {"clique_free_label",
        "whether cliques have the free label, eq. (7): true or false", &crf.free_label},
       {"clique_truncation",
        "fraction of members that may differ before the free label is cheaper",
        &crf.clique_truncation},
-      {"clique_update_from_members",
-       "whether members update their clique, eq. (10): true or false",
-       &crf.update_from_members},
       {"clique_appearance_weight",
        "weight of the kernel between cliques, over their mean positions and colours; 0 "
        "= off",

@@ -113,6 +113,8 @@ SemanticCRFParameters::forImages()
   parameters.colour_deviation = 4.0;
   parameters.iterations = 5;
   parameters.keep_thin = false;
+  parameters.clique_weight = 1.0;
+  parameters.clique_truncation = 0.3;
   parameters.clique_appearance_deviation = 40.0;
   return parameters;
 }

@@ -37,14 +37,6 @@ CRFSettings::addKernel(const Eigen::MatrixXf& features, float weight)
 }
 
 void
-CRFSettings::setCliqueCosts(const Eigen::MatrixXf& costs)
-{
-  if (!costs.allFinite())
-    badParameter("a clique cost is not finite");
-  terms_.clique_costs = costs;
-}
-
-void
 CRFSettings::setClassFrequencies(const Eigen::VectorXd& frequencies)
 {
   if (!(frequencies.array() >= 0.0).all() || !frequencies.allFinite())

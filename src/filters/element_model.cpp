@@ -106,17 +106,6 @@ meansOf(const Eigen::MatrixXf& values,
   return means;
 }
 
-// Costs of the cliques that take part.
-Eigen::MatrixXf
-keptCosts(const Eigen::MatrixXf& costs, std::size_t cliques,
-          const std::vector<int>& kept)
-{
-  if (costs.size() > 0 && std::size_t(costs.cols()) != cliques)
-    badParameter("there are clique costs of ", costs.cols(), " cliques, expected ",
-                 cliques);
-  return costs.size() > 0 ? gather(costs, kept) : costs;
-}
-
 class ModelBuilder {
 public:
   /** \brief Sorts the elements into an order that suits the kernels.
@@ -190,8 +179,7 @@ private:
   {
     if (!cliques_)
       badParameter("this model needs cliques: set them, or a generator");
-    std::vector<int> kept;
-    const auto cliques = cliquesOfElements(kept);
+    const auto cliques = cliquesOfElements();
     report.cliques = cliques.size();
     report.skipped_cliques = cliques_->size() - cliques.size();
     if (cliques.empty())
@@ -205,16 +193,15 @@ private:
       potential.type = CliquePotential::Type::robust;
       potential.free_label = parameters_.free_label;
       potential.truncation = float(parameters_.clique_truncation);
-      potential.update_from_members = parameters_.update_from_members;
-      potential.unary = keptCosts(terms_.clique_costs, cliques_->size(), kept);
       potential.kernels = cliqueKernels(cliques);
     }
     model.cliques.push_back(std::move(potential));
+    model.start_from_cliques = parameters_.clique_start;
   }
 
-  // Cliques as columns of elements that take part. `kept` receives their indices.
+  // Cliques as columns of elements that take part.
   std::vector<std::vector<std::int32_t>>
-  cliquesOfElements(std::vector<int>& kept) const
+  cliquesOfElements() const
   {
     std::vector<std::int32_t> columns(elements_.total, -1);
     for (std::size_t k = 0; k < elements_.indices.size(); ++k)
@@ -233,10 +220,8 @@ private:
         if (columns[std::size_t(index)] >= 0)
           members.push_back(columns[std::size_t(index)]);
       }
-      if (members.empty())
-        continue;
-      cliques.push_back(std::move(members));
-      kept.push_back(int(c));
+      if (!members.empty())
+        cliques.push_back(std::move(members));
     }
     return cliques;
   }

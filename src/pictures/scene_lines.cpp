@@ -57,6 +57,27 @@ boxLines(const std::vector<ObjectSummary>& objects, const LabelSet& label_set,
   return lines;
 }
 
+std::vector<SceneLine>
+outlineLines(const std::vector<PlaneSummary>& planes, const LabelSet& label_set,
+             const Eigen::Vector3d& origin)
+{
+  std::vector<SceneLine> lines;
+  const auto add = [&](const PlaneRing& ring, const cv::Vec3b& colour) {
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      lines.push_back({ring[i] - origin, ring[(i + 1) % ring.size()] - origin, colour});
+  };
+  for (const PlaneSummary& plane : planes)
+    for (const PlanePolygon& polygon : plane.polygons) {
+      const cv::Vec3b colour = plane.label == kUnlabelled
+                                   ? cv::Vec3b(255, 255, 255)
+                                   : classColour(label_set, plane.label);
+      add(polygon.outer, colour);
+      for (const PlaneRing& hole : polygon.holes)
+        add(hole, colour);
+    }
+  return lines;
+}
+
 std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>>
 projectLine(const SceneView& view, const Eigen::Vector3d& from,
             const Eigen::Vector3d& to)

@@ -1,63 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_cliques.h"
 
-#include <pcl/common/io.h>
+#include <pcl_semantic/cliques/ranked_cliques.h>
 
-#include <algorithm>
+#include <pcl/common/io.h>
 
 namespace pcl_semantic {
 
-namespace {
-
-// Voxels with a higher probability of the classes in clique_exclude join no clique.
-constexpr float kExcludeThreshold = 0.3f;
-
-} // namespace
-
-MapCliques::MapCliques(const MapperConfig& config, const LabelSet& label_set)
-    : generator_(makeCliqueGenerator(config.cliques, config.clique_parameters)),
-      superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(generator_)),
-      left_out_(listedLabels(config.clique_exclude, label_set, "clique_exclude"))
+MapCliques::MapCliques(const MapperConfig& config)
+    : generator_(makeCliqueGenerator(config.cliques, config.clique_parameters))
 {
-  generator_->setOrigin(Eigen::Vector3d::Zero());
+  std::vector<CliqueGenerator::Ptr> generators{generator_};
+  if (const auto ranked = std::dynamic_pointer_cast<RankedCliques>(generator_))
+    generators = ranked->generators();
+  for (const CliqueGenerator::Ptr& each : generators)
+    if (auto superpixels = std::dynamic_pointer_cast<SuperpixelCliques>(each))
+      superpixels_.push_back(superpixels);
 }
 
 void
 MapCliques::setFrame(const pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr& cloud,
                      const Eigen::Isometry3d& T_world_camera)
 {
-  if (superpixels_)
-    superpixels_->setFrame(cloud, T_world_camera);
+  for (const auto& superpixels : superpixels_)
+    superpixels->setFrame(cloud, T_world_camera);
 }
 
 std::vector<pcl::PointIndices>
 MapCliques::generate(const VoxelCloud& voxels)
 {
-  if (superpixels_)
-    superpixels_->setVoxels(voxels.indices, voxels.voxel_size);
-  CliqueGenerator::Cloud cloud;
-  pcl::copyPointCloud(*voxels.cloud, cloud);
+  for (const auto& superpixels : superpixels_)
+    superpixels->setVoxels(voxels.indices, voxels.voxel_size);
+  const auto means = std::make_shared<CliqueGenerator::Cloud>();
+  pcl::copyPointCloud(*voxels.cloud, *means);
+  generator_->setMeanPositions(means, voxels.voxel_size);
+  generator_->setOrigin(voxels.origin);
+  CliqueGenerator::Cloud cloud = *means;
   for (std::size_t i = 0; i < voxels.size(); ++i)
     cloud[i].getVector3fMap() = voxels.centre(i);
-  std::vector<pcl::PointIndices> cliques = generator_->generate(cloud);
-  if (left_out_.empty())
-    return cliques;
-  const auto is_out = [&](pcl::index_t i) {
-    float likely = 0.0f;
-    for (const Label label : left_out_)
-      likely += voxels.measured.column(i)[label - 1];
-    return likely > kExcludeThreshold;
-  };
-  for (pcl::PointIndices& clique : cliques) {
-    pcl::Indices& members = clique.indices;
-    members.erase(std::remove_if(members.begin(), members.end(), is_out),
-                  members.end());
-  }
-  cliques.erase(
-      std::remove_if(cliques.begin(), cliques.end(),
-                     [](const auto& clique) { return clique.indices.empty(); }),
-      cliques.end());
-  return cliques;
+  return generator_->generate(cloud);
 }
 
 } // namespace pcl_semantic

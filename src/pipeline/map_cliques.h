@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/superpixels/superpixel_cliques.h>
@@ -17,9 +16,8 @@ namespace pcl_semantic {
 /** \brief Makes the cliques of a map's voxels according to a MapperConfig. */
 class MapCliques {
 public:
-  /** \throws InvalidParameterException at invalid cliques, or an excluded class that is
-   * not in the label set */
-  MapCliques(const MapperConfig& config, const LabelSet& label_set);
+  /** \throws InvalidParameterException at invalid cliques */
+  explicit MapCliques(const MapperConfig& config);
 
   /** \brief Sets the frame of the next voxels, for superpixels.
    * \param[in] cloud organized, camera frame [m]; not copied
@@ -27,13 +25,12 @@ public:
   void setFrame(const pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr& cloud,
                 const Eigen::Isometry3d& T_world_camera);
 
-  /** \brief Groups voxels, except those of excluded classes. */
+  /** \brief Groups voxels. */
   std::vector<pcl::PointIndices> generate(const VoxelCloud& voxels);
 
 private:
   CliqueGenerator::Ptr generator_;
-  std::shared_ptr<SuperpixelCliques> superpixels_; // generator_, if of superpixels
-  std::vector<Label> left_out_;
+  std::vector<std::shared_ptr<SuperpixelCliques>> superpixels_; // of generator_
 };
 
 } // namespace pcl_semantic

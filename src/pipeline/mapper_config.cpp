@@ -25,10 +25,9 @@ MapperConfig::validate()
 {
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
-  SlicParameters slic;
-  if (parseSlic(cliques, slic)) // superpixels need organized clouds
+  if (namesCliques(cliques, "slic")) // needs organized clouds
     badParameter("cliques are '", cliques,
-                 "', expected cubes:SIZE, superpixel or supervoxel");
+                 "', expected planes, superpixel, supervoxel or cubes");
   makeCliqueGenerator(cliques, clique_parameters);
   map.validate();
   crf_parameters.validate();
@@ -122,12 +121,10 @@ parametersOf(MapperConfig& config)
        "replace the measured distributions by those of the CRF: true or false",
        &config.crf_write_back, "false"},
       {"cliques",
-       "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] "
-       "(number per frame) or supervoxel[:SEED_DISTANCE [m]]",
-       &config.cliques},
-      {"clique_exclude",
-       "classes whose voxels are in no clique, separated by commas, or none",
-       &config.clique_exclude}};
+       "cliques of pn-potts and hierarchical: planes[:EDGE [m]], superpixel[:NUMBER] "
+       "(number per frame), supervoxel[:SEED_DISTANCE [m]], cubes[:EDGE [m]], or "
+       "several, separated by commas, the first with priority",
+       &config.cliques}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back({"things",

@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/pipeline/frame_digest.h>
+#include <pcl_semantic/superpixels/clique_config.h>
 
 #include <filesystem>
 #include <optional>
@@ -29,7 +30,7 @@ requireSameRun(const MapArchive& archive, const MappingRun& run)
 MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
     : options_(options)
 {
-  if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
+  if (!options_.path.empty() && namesCliques(run.config.cliques, "superpixel") &&
       run.config.clique_parameters.superpixel.keep)
     badParameter("--archive and superpixel_keep exclude each other: an archive does "
                  "not store superpixels");

@@ -14,6 +14,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/object_file.h>
+#include <pcl_semantic/files/plane_file.h>
 #include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pictures/map_images.h>
@@ -213,6 +214,9 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
     voxels.objects = objects->numbers(voxels);
     things = objects->summarize(voxels);
   }
+  std::vector<PlaneSummary> planes;
+  if (run_.config.things)
+    planes = findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).planes;
   writeFinalImages(voxels);
   if (centres_)
     voxels.moveToCentres();
@@ -221,6 +225,10 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
                   VoxelColour::classes);
   if (objects)
     writeThings(things);
+  if (run_.config.things) {
+    writePlanes(path("planes.json"), planes, run_.label_set);
+    writePolygons(path("planes.ply"), planes, run_.label_set);
+  }
   writeLabelSet(path("label_set.yaml"), run_.label_set);
 
   std::vector<Eigen::Vector3d> positions;

@@ -14,8 +14,8 @@ struct RunFolder {
                                                   "network_labels", "overlay"};
 
   static constexpr const char* map_files[] = {
-      "map.pcd",      "map_classes.pcd", "label_set.yaml", "top_view.png",
-      "objects.json", "boxes.ply",       "trajectory.txt"};
+      "map.pcd",   "map_classes.pcd", "label_set.yaml", "top_view.png",  "objects.json",
+      "boxes.ply", "planes.json",     "planes.ply",     "trajectory.txt"};
 
   /** \brief The current map during a run, a separate map folder. */
   static constexpr const char* live = "live";

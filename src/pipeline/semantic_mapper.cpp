@@ -49,7 +49,7 @@ requireNothingOfCamera(const MapperConfig& config, bool has_camera)
     badParameter(
         "min_hit_ratio is for images: it counts pixels that see through a voxel");
   if (!has_camera && config.crf == CRFModelType::hierarchical &&
-      config.cliques.rfind("superpixel", 0) == 0)
+      namesCliques(config.cliques, "superpixel"))
     badParameter("superpixels are for clouds of a camera");
 }
 
@@ -63,7 +63,7 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
     : camera_(camera), config_(validated(std::move(config), label_set)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
       map_(label_set, config_.map, std::move(store)),
-      cliques_(std::make_unique<MapCliques>(config_, label_set))
+      cliques_(std::make_unique<MapCliques>(config_))
 {
   if (!poses_)
     badParameter("a mapper needs a source of poses");

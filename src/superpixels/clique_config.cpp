@@ -6,10 +6,15 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/ranked_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parse_number.h>
+#include <pcl_semantic/things/plane_cliques.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -42,6 +47,51 @@ parseSuperpixels(const std::string& text, const std::string& word,
   return true;
 }
 
+std::vector<std::string>
+partsOf(const std::string& text)
+{
+  std::vector<std::string> parts{""};
+  for (const char letter : text)
+    if (letter == ',')
+      parts.emplace_back();
+    else
+      parts.back() += letter;
+  return parts;
+}
+
+std::string
+wordOf(const std::string& part)
+{
+  return part.substr(0, part.find(':'));
+}
+
+CliqueGenerator::Ptr
+makeOne(const std::string& text, const CliqueParameters& parameters)
+{
+  const std::string word = wordOf(text);
+  const bool has_number = word.size() < text.size();
+  SuperpixelParameters superpixel = parameters.superpixel;
+  if (word == "cubes")
+    return has_number ? std::make_shared<CubeCliques>(numberAfterColon(text))
+                      : std::make_shared<CubeCliques>();
+  if (word == "planes")
+    return has_number ? std::make_shared<PlaneCliques>(numberAfterColon(text))
+                      : std::make_shared<PlaneCliques>();
+  if (parseSlic(text, superpixel.slic))
+    return std::make_shared<SlicCliques>(superpixel.slic);
+  if (parseSuperpixels(text, "superpixel", superpixel.slic))
+    return std::make_shared<SuperpixelCliques>(superpixel);
+  if (word == "supervoxel") {
+    SupervoxelParameters supervoxel = parameters.supervoxel;
+    if (has_number)
+      supervoxel.seed_resolution = numberAfterColon(text);
+    return std::make_shared<SupervoxelCliques>(supervoxel);
+  }
+  badParameter(
+      "cliques are '", text,
+      "', expected planes[:EDGE], cubes[:EDGE], slic, superpixel or supervoxel");
+}
+
 } // namespace
 
 void
@@ -72,33 +122,34 @@ parseSlic(const std::string& text, SlicParameters& parameters)
 }
 
 bool
+namesCliques(const std::string& text, const std::string& word)
+{
+  const std::vector<std::string> parts = partsOf(text);
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](const std::string& part) { return wordOf(part) == word; });
+}
+
+bool
 namesCloudCliques(const std::string& text)
 {
-  const std::string word = text.substr(0, text.find(':'));
-  return word == "cubes" || word == "slic" || word == "supervoxel";
+  const std::vector<std::string> parts = partsOf(text);
+  return std::all_of(parts.begin(), parts.end(), [](const std::string& part) {
+    const std::string word = wordOf(part);
+    return word == "cubes" || word == "planes" || word == "slic" ||
+           word == "supervoxel";
+  });
 }
 
 CliqueGenerator::Ptr
 makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
 {
-  SuperpixelParameters superpixel = parameters.superpixel;
-  if (text == "cubes")
-    return std::make_shared<CubeCliques>();
-  if (text.rfind("cubes:", 0) == 0)
-    return std::make_shared<CubeCliques>(numberAfterColon(text));
-  if (parseSlic(text, superpixel.slic))
-    return std::make_shared<SlicCliques>(superpixel.slic);
-  if (parseSuperpixels(text, "superpixel", superpixel.slic))
-    return std::make_shared<SuperpixelCliques>(superpixel);
-  if (text == "supervoxel" || text.rfind("supervoxel:", 0) == 0) {
-    SupervoxelParameters supervoxel = parameters.supervoxel;
-    if (text != "supervoxel")
-      supervoxel.seed_resolution = numberAfterColon(text);
-    return std::make_shared<SupervoxelCliques>(supervoxel);
-  }
-  badParameter("cliques are '", text,
-               "', expected cubes[:SIZE], slic, superpixel or "
-               "supervoxel");
+  const std::vector<std::string> parts = partsOf(text);
+  if (parts.size() == 1)
+    return makeOne(text, parameters);
+  std::vector<CliqueGenerator::Ptr> generators;
+  for (const std::string& part : parts)
+    generators.push_back(makeOne(part, parameters));
+  return std::make_shared<RankedCliques>(std::move(generators));
 }
 
 } // namespace pcl_semantic

@@ -245,7 +245,7 @@ TEST(CliquesToolBadInput, IsRefused)
   expectAllFail({
       {2, "expected IN.pcd OUT.pcd", "cliques a.pcd"},
       {2, "--method is missing", "cliques a.pcd OUT.pcd"},
-      {2, "'best', expected cubes", tool + "--method best"},
+      {2, "'best', expected planes", tool + "--method best"},
       {2, "seed resolution is 0.01", tool + "--method supervoxel:0.01"},
       {2, "superpixel:N with N 1", tool + "--method superpixel:0 --frame x"},
       {2, "--supervoxel-colour-weight: was removed, it had no effect",

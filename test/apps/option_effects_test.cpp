@@ -89,6 +89,7 @@ const std::vector<Mode> modes = {
     {"export", "archive export IN/one.map OUT/map.pcd"},
     {"merge", "archive merge IN/one.map IN/two.map OUT/both.map"},
     {"changes", "archive changes IN/one.map IN/two.map OUT/changes.pcd"},
+    {"planes", "cliques IN/map.pcd OUT/out.pcd --method planes"},
     {"cubes", "cliques IN/map.pcd OUT/out.pcd --method cubes"},
     {"supervoxel", "cliques IN/map.pcd OUT/out.pcd --method supervoxel"},
     {"superpixel", "cliques IN/map.pcd OUT/out.pcd --method superpixel --frame "
@@ -96,7 +97,7 @@ const std::vector<Mode> modes = {
     {"slic", "cliques IN/clouds/000000.pcd OUT/out.pcd --method slic"},
     {"cloud", "cloud IN/map.pcd OUT/out.pcd" + of_kitti11 + "--drop car"},
     {"things", "things IN/map.pcd OUT/out.pcd --objects OUT/objects.json --boxes "
-               "OUT/boxes.ply"},
+               "OUT/boxes.ply --planes OUT/planes.json --polygons OUT/polygons.ply"},
     {"--crf dense", "crf IN/map.pcd OUT/out.pcd"},
     {"--crf unary", "crf IN/map.pcd OUT/out.pcd --crf unary"},
     {"--crf pn-potts", "crf IN/map.pcd OUT/out.pcd --crf pn-potts --cliques cubes:1"},
@@ -163,10 +164,9 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"class", {{"road"}}},
     {"clearing", {{"full", "--voxel-size 0.1 --hit-probability 0.55"}}},
     {"clique-appearance-weight", {{"30"}, {"30", "--clique-weight 9"}}},
-    {"clique-exclude", {{"road"}}},
     {"clique-free-label", {{"false"}, {"false", "--clique-weight 9"}}},
     {"clique-truncation", {{"0.9"}, {"0.9", "--clique-weight 9"}}},
-    {"clique-update-from-members", {{"false"}, {"false", "--clique-weight 9"}}},
+    {"clique-start", {{"true"}, {"true", "--clique-weight 9"}}},
     {"clique-weight", {{"20"}}},
     {"cliques", {{"cubes:2"}}},
     {"clouds", {{"IN/clouds"}}},
@@ -197,6 +197,13 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"disparities", {{"64"}}},
     {"disparity", {{"OUT/disparities"}, {"OUT/disparity.png"}}},
     {"drop", {{"road"}}},
+    {"plane-area", {{"90"}}},
+    {"plane-distance", {{"0.02"}}},
+    {"plane-radius", {{"0.6"}}},
+    {"planes", {{"OUT/more.json"}}},
+    {"render planes", {{"IN/planes.json"}}},
+    {"view planes", {{"IN/planes.json"}}},
+    {"polygons", {{"OUT/more.ply"}}},
     {"print-config", {{""}}},
     {"extrinsics", {{"IN/own/extrinsics.yaml"}}},
     {"odometry features", {{"40"}}},
@@ -489,7 +496,8 @@ makeInputs(const std::string& in)
         "--max-depth 12 --frames 2:3 --archive IN/two.map"})
     run(in, command);
   fs::copy(in + "/one/map.pcd", in + "/map.pcd");
-  run(in, "things IN/map.pcd IN/things.pcd --objects IN/objects.json --label-set "
+  run(in, "things IN/map.pcd IN/things.pcd --objects IN/objects.json --planes "
+          "IN/planes.json --label-set "
           "IN/one/label_set.yaml --min-points 1");
   writeScans(street + "/velodyne");
   fs::create_directories(in + "/labelled");

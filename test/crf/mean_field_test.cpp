@@ -62,45 +62,14 @@ TEST(MeanField, UpdatesWithSelfInteractionEqualAPlainImplementation)
   }
 }
 
-TEST(MeanField, UpdatesWhereMembersHearTheMapEqualAPlainImplementation)
+TEST(MeanField, StartsFromCliquesAsAPlainImplementation)
 {
   for (const int labels : {1, 6, 8, 16})
     for (NamedCrf& model : makeEveryModel(40, labels, 9, 3.0f, 60)) {
       SCOPED_TRACE(model.name + ", " + std::to_string(labels) + " labels");
-      for (PlainCliques& cliques : model.crf.cliques)
-        cliques.map_messages = true;
+      model.crf.start_from_cliques = true;
       expectSameUpdates(model.crf, 4);
     }
-}
-
-TEST(MeanField, CliquesThatAreKnownStayAsTheirCostsSay)
-{
-  for (const int labels : {2, 6, 11})
-    for (NamedCrf& model : makeEveryModel(40, labels, 9, 3.0f, 70)) {
-      SCOPED_TRACE(model.name + ", " + std::to_string(labels) + " labels");
-      for (PlainCliques& cliques : model.crf.cliques) {
-        if (!cliques.isRobust())
-          continue;
-        cliques.update_from_members = false;
-        cliques.kernels.clear();
-        cliques.unary =
-            makeRandomMatrix(labels, Eigen::Index(cliques.members.size()), 0, 2, 71);
-      }
-      expectSameUpdates(model.crf, 4);
-    }
-}
-
-TEST(MeanField, CliquesThatHearNobodyHaveNoKernels)
-{
-  PlainCrf crf;
-  crf.unary = makeRandomMatrix(3, 4, 0.0f, 1.0f, 1);
-  crf.cliques.emplace_back();
-  crf.cliques[0].members = {{0, 1}, {2, 3}};
-  crf.cliques[0].update_from_members = false;
-  EXPECT_NO_THROW(MeanField{makeModel(crf)});
-  crf.cliques[0].kernels.push_back(makeRandomMatrix(2, 2, 0.0f, 1.0f, 2));
-  expectBadParameter("kernels between cliques need",
-                     [&] { MeanField{makeModel(crf)}; });
 }
 
 TEST(MeanField, UpdatesWithKernelsAndCompatibilitiesThatAreNotSymmetric)

@@ -115,7 +115,6 @@ permuteLabels(PlainCrf crf, const std::vector<int>& order)
   crf.compatibility = permuted(crf.compatibility, &order, &order);
   for (PlainCliques& cliques : crf.cliques) {
     cliques.weights = permuted(cliques.weights, &order, nullptr);
-    cliques.unary = permuted(cliques.unary, &order, nullptr);
   }
   return crf;
 }
@@ -129,7 +128,6 @@ permuteCliques(PlainCrf crf, unsigned seed)
     for (std::size_t c = 0; c < members.size(); ++c)
       cliques.members[std::size_t(order[c])] = members[c];
     cliques.weights = permuted(cliques.weights, nullptr, &order);
-    cliques.unary = permuted(cliques.unary, nullptr, &order);
     for (Eigen::MatrixXf& kernel : cliques.kernels)
       kernel = permuted(kernel, &order, &order);
   }

@@ -93,13 +93,13 @@ TEST(ObjectFile, RefusesDamageInOneLine)
   expect("a number is out of range", "[1e999]");
   expect("got a list of 0, expected an object", "[]");
   expect("has no objects", "{}");
-  expect("objects is no list", "{\"objects\": 3}");
+  expect("objects: got 3, expected a list", "{\"objects\": 3}");
   expect("objects[0]: got null, expected an object", "{\"objects\": [null]}");
 
   const std::tuple<const char*, Json, const char*> damages[] = {
       {"/id", 0, "id: got 0, expected 1 to 4294967295"},
       {"/id", 4294967296, "id: got 4294967296, expected 1"},
-      {"/id", 7, "id: got 7, which an earlier object has"},
+      {"/id", 7, "id: got 7, which an earlier one has"},
       {"/id", 2.5, "id: got 2.5, expected"},
       {"/label", 3, "label: got 3, expected 1 to 2"},
       {"/label", -1, "label: got -1, expected 1 to 2"},

@@ -514,11 +514,6 @@ TEST(CRFInput, WhatDoesNotFitIsRefused)
          crf.setIndices(indices({1, 2}));
        }},
       {"needs cliques", [](Filter& crf) { crf.setModel(CRFModelType::pn_potts); }},
-      {"clique costs of 1 cliques, expected 2",
-       [&](Filter& crf) {
-         with({{0, 1}, {0, 1}})(crf);
-         crf.setCliqueCosts(Eigen::MatrixXf::Ones(4, 1));
-       }},
       {"39 points for a cloud of 40", measured(LabelDistributions(4, 39))},
       {"needs measurements", measured(LabelDistributions())},
       {"voxel indices of 1 points", voxels(0.1)},

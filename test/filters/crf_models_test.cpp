@@ -43,8 +43,8 @@ addCliques(PlainCrf& crf, CRFModelType model,
   cliques.weights.setConstant(1, 1, float(parameters.clique_weight));
   cliques.free_label = parameters.free_label;
   cliques.truncation = float(parameters.clique_truncation);
-  cliques.update_from_members = parameters.update_from_members;
   crf.cliques.push_back(cliques);
+  crf.start_from_cliques = parameters.clique_start;
 }
 
 Eigen::MatrixXd
@@ -222,21 +222,6 @@ TEST(CRFModels, KernelsWithEveryNormalizationAndSelfInteraction)
       expectEqualsPlain(setting, crf, setting.plain(CRFModelType::dense),
                         std::to_string(int(normalization)));
     }
-}
-
-TEST(CRFModels, CostsStayWithTheirCliques)
-{
-  const Setting setting;
-  const auto all = Eigen::Index(setting.cliques.size());
-  // Those of the first clique belong to one that is skipped.
-  const Eigen::MatrixXf costs = makeRandomMatrix(4, all, 0.0f, 2.0f, 15);
-  ASSERT_EQ(setting.cliquesThatTakePart().size(), setting.cliques.size() - 1);
-  PlainCrf plain = setting.plain(CRFModelType::hierarchical);
-  plain.cliques[0].unary = costs.rightCols(all - 1);
-  Filter crf;
-  setting.prepare(crf, CRFModelType::hierarchical);
-  crf.setCliqueCosts(costs);
-  expectEqualsPlain(setting, crf, plain, "costs");
 }
 
 TEST(CRFModels, TheKernelBetweenCliques)
@@ -529,7 +514,7 @@ randomParameters(Random& random)
   parameters.clique_weight = random.between(0, 2);
   parameters.free_label = random.flip();
   parameters.clique_truncation = random.between(0.1, 0.5);
-  parameters.update_from_members = random.flip();
+  parameters.clique_start = random.flip();
   return parameters;
 }
 

@@ -126,10 +126,6 @@ TEST(ImageCRF, SegmentsAreCliques)
       crf.setModel(model);
       crf.setParameters(makeParameters());
       crf.setSegments(makeSegments(type));
-      if (model == CRFModelType::hierarchical) { // in the order of the numbers
-        plain.cliques[0].unary = makeRandomMatrix(3, 2, 0.0f, 2.0f, 5);
-        crf.setCliqueCosts(plain.cliques[0].unary);
-      }
       expectEqualsPlain(plain, crf.refine(image, makeDistributions()));
       EXPECT_EQ(crf.getReport().cliques, 2u);
     }

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/map_cliques.h"
-#include "support/thrown_message.h"
 
 #include <gtest/gtest.h>
 
 namespace pcl_semantic {
 namespace {
-
-const LabelSet label_set({{"road", {}}, {"wall", {}}, {"pole", {}}});
 
 // Two cubes of 1 m: a floor at z = 0.05 m, and a wall that faces the camera 2 m on.
 VoxelCloud
@@ -38,34 +35,45 @@ floorAndWall()
 }
 
 MapperConfig
-cubes()
+configOf(const std::string& cliques)
 {
   MapperConfig config;
-  config.cliques = "cubes:1";
+  config.cliques = cliques;
   return config;
 }
 
-TEST(MapCliques, LeavesOutWhatIsLikelyOfAClass)
+TEST(MapCliques, CubesAreThoseOfTheCentres)
 {
   VoxelCloud voxels = floorAndWall();
-  for (int i = 0; i < 200; ++i) // all of the wall, and five of the floor
-    if (i < 5 || i >= 100)
-      voxels.measured.matrix().col(i) << 0.4f, 0.2f, 0.4f;
-  MapperConfig config = cubes();
-  EXPECT_EQ(MapCliques(config, label_set).generate(voxels).size(), 2u);
-  config.clique_exclude = "pole";
-  const auto cliques = MapCliques(config, label_set).generate(voxels);
-  ASSERT_EQ(cliques.size(), 1u);
-  ASSERT_EQ(cliques[0].indices.size(), 95u);
-  EXPECT_EQ(cliques[0].indices[0], 5);
+  for (pcl::PointXYZRGBL& point : *voxels.cloud)
+    point.z -= 0.06f; // below the voxel, as rounding may do
+  EXPECT_EQ(MapCliques(configOf("cubes:1")).generate(voxels).size(), 2u);
 }
 
-TEST(MapCliques, RefusesWhatDoesNotFitTheLabelSet)
+TEST(MapCliques, PlanesUseTheMeanPositions)
 {
-  MapperConfig config = cubes();
-  config.clique_exclude = "pole,lawn";
-  expectBadParameter("class 'lawn' is not in the label set",
-                     [&] { MapCliques(config, label_set); });
+  VoxelCloud voxels = floorAndWall();
+  for (std::size_t i = 0; i < 100; ++i) // the floor leans, beyond its voxels
+    (*voxels.cloud)[i].z = 0.05f + 0.5f * (*voxels.cloud)[i].x;
+  MapCliques planes(configOf("planes:100"));
+  const auto cliques = planes.generate(voxels);
+  ASSERT_EQ(cliques.size(), 2u);
+  for (std::size_t i = 0; i < 100; ++i)
+    (*voxels.cloud)[i].z = 10.0f * float(i % 7); // no plane
+  EXPECT_EQ(planes.generate(voxels).size(), 1u);
+}
+
+TEST(MapCliques, LaterMethodsGetTheRest)
+{
+  VoxelCloud voxels = floorAndWall();
+  for (std::size_t i = 0; i < 100; ++i)
+    (*voxels.cloud)[i].z = 10.0f * float(i % 7); // no plane
+  const auto cliques = MapCliques(configOf("planes,cubes:1")).generate(voxels);
+  std::vector<int> counts(voxels.size(), 0);
+  for (const pcl::PointIndices& clique : cliques)
+    for (const pcl::index_t i : clique.indices)
+      ++counts[std::size_t(i)];
+  EXPECT_EQ(counts, std::vector<int>(voxels.size(), 1));
 }
 
 } // namespace

@@ -121,7 +121,7 @@ TEST(MapperConfig, MistakesAreNamedWithTheirLine)
            {"crf_kernels: fast\n",
             "line 1: 'fast', expected automatic, truncated or lattice"},
            {"clique_truncation: 0\n", "clique_truncation is 0"},
-           {"cliques: slic\n", "expected cubes:SIZE"},
+           {"cliques: slic\n", "expected planes, superpixel"},
            {"crf_every: 0\n", "crf_every is 0"},
            {"network_every: 0\n", "network_every is 0"},
            {"label_confidence: 1.5\n", "label_confidence is 1.5"},

@@ -369,6 +369,7 @@ TEST_F(Street, EveryModelOfTheCrf)
     MapperConfig config;
     config.crf = model;
     config.crf_parameters.iterations = 3;
+    config.cliques = "cubes:1";
     SemanticMapper mapper = makeMapper(config);
     const MappedFrame mapped = mapper.process(frame(0));
     refined.push_back(mapped.voxels.refined.matrix());

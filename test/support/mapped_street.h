@@ -21,7 +21,9 @@ mapStreet(const std::string& street, const std::string& output,
       runTool(mapOf(street) + " --output " + output + " " + options);
   EXPECT_EQ(result.code, 0) << result.text;
   const bool has_objects = std::filesystem::exists(output + "/objects.json");
-  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 4 + has_objects)
+  const bool has_planes = std::filesystem::exists(output + "/planes.json");
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'),
+            4 + has_objects + has_planes)
       << result.text;
 }
 
@@ -43,7 +45,8 @@ filesOfMap(const std::vector<std::string>& frames)
 {
   std::set<std::string> files = {"map.pcd",        "map_classes.pcd", "top_view.png",
                                  "trajectory.txt", "summary.json",    "label_set.yaml",
-                                 "objects.json",   "boxes.ply"};
+                                 "objects.json",   "boxes.ply",       "planes.json",
+                                 "planes.ply"};
   for (const char* folder :
        {"labels/", "labels_at_depth/", "network_labels/", "final_labels/", "overlay/"})
     for (const std::string& frame : frames)

@@ -22,10 +22,7 @@ struct PlainCliques {
   Eigen::MatrixXf weights = Eigen::MatrixXf::Ones(1, 1); // one or L x one or C
   bool free_label = true;
   float truncation = 0.3f;
-  Eigen::MatrixXf unary; // L x C or empty
   std::vector<Eigen::MatrixXf> kernels;
-  bool map_messages = false;
-  bool update_from_members = true;
 
   bool
   isRobust() const
@@ -47,6 +44,7 @@ struct PlainCrf {
   std::vector<Eigen::MatrixXf> kernels;
   Eigen::MatrixXf compatibility; // empty = Potts
   bool self_interaction = false;
+  bool start_from_cliques = false;
   std::vector<PlainCliques> cliques;
 
   int
@@ -111,6 +109,7 @@ makeModel(const PlainCrf& crf)
   if (crf.compatibility.size() > 0)
     model.compatibility = LabelCompatibility(crf.compatibility);
   model.self_interaction = crf.self_interaction;
+  model.start_from_cliques = crf.start_from_cliques;
   for (const PlainCliques& cliques : crf.cliques) {
     CliquePotential potential;
     potential.type = cliques.type;
@@ -119,11 +118,8 @@ makeModel(const PlainCrf& crf)
     potential.weights = cliques.weights;
     potential.free_label = cliques.free_label;
     potential.truncation = cliques.truncation;
-    potential.unary = cliques.unary;
     for (const Eigen::MatrixXf& kernel : cliques.kernels)
       potential.kernels.push_back(std::make_shared<MatrixKernel>(kernel));
-    potential.map_messages = cliques.map_messages;
-    potential.update_from_members = cliques.update_from_members;
     model.cliques.push_back(potential);
   }
   return model;
@@ -159,8 +155,6 @@ plainCliqueUnary(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c
       largest = std::max(largest, cliques.weight(l, c));
     return double(cliques.truncation) * double(members.size()) * largest;
   }
-  if (cliques.unary.size() > 0)
-    return double(cliques.unary(y, Eigen::Index(c)));
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(labels);
   for (const std::int32_t i : members)
     mean += crf.unary.col(i).cast<double>() / double(members.size());

@@ -29,6 +29,8 @@ public:
           costs(y, c) = plainCliqueUnary(crf_, cliques, std::size_t(c), y);
       q_cliques.push_back(softMax(-costs));
     }
+    if (crf_.start_from_cliques)
+      startFromCliques();
   }
 
   /** First every y_c, then every x_i. */
@@ -36,7 +38,7 @@ public:
   update()
   {
     for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
-      if (crf_.cliques[p].isRobust() && crf_.cliques[p].update_from_members)
+      if (crf_.cliques[p].isRobust())
         updateCliques(crf_.cliques[p], q_cliques[p]);
     Eigen::MatrixXd costs(q.rows(), q.cols());
     for (int i = 0; i < q.cols(); ++i)
@@ -55,6 +57,19 @@ public:
   std::vector<Eigen::MatrixXd> q_cliques; // Q(y_c = l) of every potential
 
 private:
+  // An update of a model without pairwise kernels.
+  void
+  startFromCliques()
+  {
+    PlainCrf alone = crf_;
+    alone.start_from_cliques = false;
+    alone.kernels.clear();
+    PlainMeanField start(alone);
+    start.update();
+    q = start.q;
+    q_cliques = start.q_cliques;
+  }
+
   // Eq. (10)
   void
   updateCliques(const PlainCliques& cliques, Eigen::MatrixXd& q_y) const
@@ -98,12 +113,9 @@ private:
   {
     const PlainCliques& cliques = crf_.cliques[p];
     const Eigen::VectorXd q_y = q_cliques[p].col(Eigen::Index(c));
-    Eigen::Index map = 0;
-    q_y.maxCoeff(&map);
     double sum = 0.0;
     for (int y = 0; y < q_y.size(); ++y)
-      sum += (cliques.map_messages ? double(y == map) : q_y(y)) *
-             plainMemberCost(crf_, cliques, c, y, l);
+      sum += q_y(y) * plainMemberCost(crf_, cliques, c, y, l);
     return sum;
   }
 

@@ -86,7 +86,6 @@ makeEveryModel(int variables, int labels, int cliques, float strength, unsigned 
   by_label.truncation = 0.7f;
   PlainCliques by_both = clique;
   by_both.weights = makeRandomMatrix(labels, cliques, 0.0f, strength, seed + 10);
-  by_both.unary = makeRandomMatrix(labels, cliques, -1.0f, 2.0f, seed + 11);
   PlainCliques others = bound;
   others.members = makeCliques(2, 3, variables, seed + 12);
 

@@ -58,6 +58,17 @@ public:
     judges_steps_ = false;
   }
 
+  /** \brief Sets the mean positions of voxels for clouds of voxel centres. Generators
+   * that fit surfaces use them.
+   * \param[in] means as many points as the clouds; not copied. null = use the clouds
+   * \param[in] voxel_size [m]; 0 = unknown */
+  void
+  setMeanPositions(const Cloud::ConstPtr& means, double voxel_size)
+  {
+    means_ = means;
+    voxel_size_ = voxel_size;
+  }
+
   /** \brief Groups the points of a cloud; the result does not depend on the number of
    * threads.
    * \param[in] cloud organized or not; non-finite points belong to no clique, but their
@@ -73,10 +84,19 @@ protected:
    * \param[in] generator name of the calling class, for the warning */
   void judgeSteps(const std::string& generator, const Cloud& cloud) const;
 
+  /** \brief Passes the settings of this generator to another one. */
+  void configure(CliqueGenerator& other) const;
+
+  /** \brief The mean positions, or the cloud if there are none.
+   * \throws InvalidParameterException if their number is not that of the points */
+  const Cloud& meansOr(const Cloud& cloud) const;
+
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< [m]
+  double voxel_size_ = 0.0;                          ///< [m]; 0 = unknown
 
 private:
   bool judges_steps_ = true;
+  Cloud::ConstPtr means_;
 };
 
 } // namespace pcl_semantic

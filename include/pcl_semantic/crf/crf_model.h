@@ -151,7 +151,8 @@ private:
  * psi_c(x_c) = min over y_c of psi_c(y_c) + sum over i in c of psi_ci(y_c, x_i) with
  * psi_ci(l, x_i) = k_c^l where x_i != l; psi_ci(free, .) = 0 and psi_c(free) =
  * gamma_max(c) = q |c| max_l k_c^l. Thus a clique tolerates at least a fraction q of
- * members that disagree before it takes the free label. */
+ * members that disagree before it takes the free label. psi_c(l) is the mean unary cost
+ * of the members, shifted so that its minimum over l is 0. */
 struct CliquePotential {
   enum class Type { pn_potts, robust };
 
@@ -170,22 +171,9 @@ struct CliquePotential {
 
   float truncation = 0.3f; ///< q, in (0, 1]
 
-  /** \brief psi_c(l), L x C; empty = mean unary cost of the members, shifted so that
-   * its minimum over l is 0. */
-  Eigen::MatrixXf unary;
-
   /** \brief Kernels over the C cliques, Potts: y_c and y_d cost k_cd if both take
    * labels and these differ; the free label is compatible with everything. */
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
-
-  /** \brief Cliques send the MAP label of Q(y_c) (the paper's algorithm text) instead
-   * of the distribution (its eq. (11)). In a tie, the first label wins. */
-  bool map_messages = false;
-
-  /** \brief If false, Q(y_c) stays exp(-psi_c(y_c)), normalised. Use this for unary
-   * costs that were learned from all information about a clique, its members'
-   * probabilities included: eq. (10) would count these again, once per member. */
-  bool update_from_members = true;
 
   float
   weight(Eigen::Index l, Eigen::Index c) const
@@ -209,8 +197,7 @@ struct CliquePotential {
 
   /** \throws InvalidParameterException if a matrix or kernel is missing, its size is
    * not that of L = \a labels, C cliques and N = \a variables, a value is not finite or
-   * out of range, or a setting would be ignored (a unary cost or kernels of P^n Potts)
-   */
+   * out of range, or kernels of P^n Potts would be ignored */
   void validate(Eigen::Index labels, Eigen::Index variables) const;
 };
 
@@ -231,6 +218,11 @@ struct CrfModel {
   bool self_interaction = false;
 
   std::vector<CliquePotential> cliques;
+
+  /** \brief Inference starts with Q(x_i) ~ exp(-psi_i) and the messages of the cliques,
+   * so the kernels use them in the first update. If false, it starts without, as in
+   * the paper. */
+  bool start_from_cliques = false;
 
   /** \throws InvalidParameterException if a unary cost is not finite, L is not 1 to
    * 255, a kernel is missing or is not over N variables, the compatibility is not over

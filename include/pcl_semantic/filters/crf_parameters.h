@@ -61,12 +61,12 @@ struct SemanticCRFParameters {
   double logit_adjustment = 0.0;
 
   // Cliques of the last two models. All but the weight apply to the hierarchical model.
-  double clique_weight = 1.0; ///< k_c, eq. (8)
-  bool free_label = true;     ///< a clique may have no label
+  double clique_weight = 2.0; ///< k_c, eq. (8)
+  /// Inference starts from the cliques' messages, see CrfModel::start_from_cliques.
+  bool clique_start = false;
+  bool free_label = true; ///< a clique may have no label
   double clique_truncation =
-      0.3; ///< q, the fraction of members that may disagree with the clique's label
-  bool update_from_members =
-      true; ///< update Q(y_c) from the members; false: from the clique costs only
+      0.5; ///< q, the fraction of members that may disagree with the clique's label
 
   // Kernel between cliques, over the mean position and colour of their members.
   double clique_appearance_weight = 0.0;
@@ -102,7 +102,7 @@ struct SemanticCRFParameters {
   static SemanticCRFParameters forMaps();
 
   /** \brief Defaults for images: smoothness 3 px; appearance 40 px and 4 grey levels;
-   * five updates. */
+   * five updates; cliques of weight 1 and truncation 0.3. */
   static SemanticCRFParameters forImages();
 };
 

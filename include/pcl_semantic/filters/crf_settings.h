@@ -19,7 +19,6 @@ struct CRFTerms {
   SemanticCRFParameters parameters;
   LabelCompatibility compatibility;  ///< mu, eq. (5)
   std::vector<GaussianTerm> kernels; ///< the caller's own: weights and features
-  Eigen::MatrixXf clique_costs;      ///< psi_c(l), L x C; empty = from the members
   std::vector<Label> thin_labels;
   Eigen::VectorXd class_frequencies; ///< L, sum 1; empty = of the measurements
   std::optional<int> threads;        ///< none: OpenMP's number for the calling thread
@@ -59,11 +58,6 @@ public:
    * \throws InvalidParameterException if there are no features or one is not finite, or
    * the weight is not 0 to 1e9 */
   void addKernel(const Eigen::MatrixXf& features, float weight);
-
-  /** \brief Sets psi_c(l), L x C, of the hierarchical model; empty = the mean unary
-   * cost of the members.
-   * \throws InvalidParameterException unless all are finite */
-  void setCliqueCosts(const Eigen::MatrixXf& costs);
 
   /** \brief Sets the classes of objects thinner than the kernels are wide, see
    * SemanticCRFParameters::keep_thin. None by default. The run reports a class that

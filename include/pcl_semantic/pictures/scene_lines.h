@@ -5,6 +5,7 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/pictures/scene_view.h>
 #include <pcl_semantic/things/object_summary.h>
+#include <pcl_semantic/things/plane_summary.h>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -26,6 +27,12 @@ struct SceneLine {
 std::vector<SceneLine> boxLines(const std::vector<ObjectSummary>& objects,
                                 const LabelSet& label_set,
                                 const Eigen::Vector3d& origin);
+
+/** \brief The outlines of planes and of their holes, in the colours of their classes.
+ * \param[in] origin of the lines' frame, in the frame of the planes [m] */
+std::vector<SceneLine> outlineLines(const std::vector<PlaneSummary>& planes,
+                                    const LabelSet& label_set,
+                                    const Eigen::Vector3d& origin);
 
 /** \brief Projects a line into an image.
  * \param[in] from,to in the world frame of the view [m]

@@ -26,12 +26,10 @@ struct MapperConfig {
   SemanticVoxelMap::Parameters map;
   CRFModelType crf = CRFModelType::dense; ///< unary: the CRF is not run
   int crf_every = 1;                      ///< runs the CRF at every n-th frame
-  bool crf_write_back = false;     ///< uses the CRF's result as prior of later frames
-  std::string cliques = "cubes:1"; ///< method for the last two models, see
-                                   ///< makeCliqueGenerator()
+  bool crf_write_back = false;    ///< uses the CRF's result as prior of later frames
+  std::string cliques = "planes"; ///< method for the last two models, see
+                                  ///< makeCliqueGenerator()
   CliqueParameters clique_parameters;
-  std::string clique_exclude = "none"; ///< classes with commas between: voxels
-                                       ///< that probably are one join no clique
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   bool things =
       true; ///< tracks the objects of classes marked `thing`, if there are any

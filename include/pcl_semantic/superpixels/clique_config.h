@@ -22,17 +22,23 @@ struct CliqueParameters {
 
 ConfigParameters parametersOf(CliqueParameters& parameters);
 
+/** \brief Whether a text names a generator, alone or with others: `planes,slic:100` has
+ * the words `planes` and `slic`. */
+bool namesCliques(const std::string& text, const std::string& word);
+
 /** \brief Parses `slic`, or `slic:NUMBER` for about NUMBER superpixels.
  * \return false if \a text is another generator
  * \throws InvalidParameterException for an invalid number */
 bool parseSlic(const std::string& text, SlicParameters& parameters);
 
-/** \brief Whether a text names a generator that needs only a cloud: `cubes`, `slic` or
- * `supervoxel`, optionally with a number. */
+/** \brief Whether a text names generators that need only a cloud: all but
+ * `superpixel`. */
 bool namesCloudCliques(const std::string& text);
 
-/** \brief Makes a generator by name: `cubes:SIZE`, the edge in metres; `slic[:NUMBER]`,
- * superpixels of an organized cloud; `superpixel[:NUMBER]`, those of a frame in a map.
+/** \brief Makes a generator by name: `cubes[:EDGE]` and `planes[:EDGE]` with an edge in
+ * metres; `supervoxel[:DISTANCE]`; `slic[:NUMBER]`, superpixels of an organized cloud;
+ * `superpixel[:NUMBER]`, those of a frame in a map. Several, separated by commas, give
+ * RankedCliques.
  * \throws InvalidParameterException for another name */
 CliqueGenerator::Ptr
 makeCliqueGenerator(const std::string& text,
