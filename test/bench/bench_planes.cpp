@@ -36,13 +36,15 @@ kitchen(const std::string& folder)
   const RgbdSequence sequence(folder, readPinholeCamera(folder + "/camera.yaml"));
   const Trajectory poses = readKittiTrajectory(folder + "/poses.txt");
   Cloud::Ptr all(new Cloud);
-  for (std::size_t i = 0; i < sequence.size() && i < poses.size(); ++i)
-    for (const auto& point : *sequence.frame(i).cloud)
+  for (std::size_t i = 0; i < sequence.size() && i < poses.size(); ++i) {
+    const RgbdFrame frame = sequence.frame(i);
+    for (const auto& point : *frame.cloud)
       if (point.z > 0.0f && point.z < 4.0f) { // not NaN
         const Eigen::Vector3f p =
             (poses[i] * point.getVector3fMap().cast<double>()).cast<float>();
         all->push_back({p.x(), p.y(), p.z()});
       }
+  }
   pcl::VoxelGrid<pcl::PointXYZ> grid;
   grid.setLeafSize(kVoxel, kVoxel, kVoxel);
   grid.setInputCloud(all);
