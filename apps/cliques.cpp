@@ -4,6 +4,7 @@
 #include "messages.h"
 #include "tool.h"
 
+#include <pcl_semantic/cliques/ranked_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/sensor_pose.h>
@@ -76,7 +77,7 @@ requireFittingOptions(const Arguments& arguments)
   const CliqueFrame& frame = arguments.frame;
   refuseIf(arguments.output.empty(), "expected IN.pcd OUT.pcd");
   refuseIf(arguments.method.empty(), "--method is missing");
-  const bool superpixels = arguments.method.rfind("superpixel", 0) == 0;
+  const bool superpixels = namesCliques(arguments.method, "superpixel");
   refuseIf(superpixels && frame.path.empty(), "--method superpixel needs --frame");
   refuseIf(!frame.calibration.empty() && frame.pose.find(':') == std::string::npos,
            "--calibration is for --pose FILE:N");
@@ -120,12 +121,13 @@ parse(int argc, char** argv)
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
   setParameters(values, parameters);
-  const std::string method = arguments.method.substr(0, arguments.method.find(':'));
-  refuseUnread(values, {{method != "superpixel",
+  const std::string& method = arguments.method;
+  const bool superpixels = namesCliques(method, "superpixel");
+  refuseUnread(values, {{!superpixels,
                          "with --method " + method,
                          {"frame", "pose", "calibration", "map-origin",
                           "superpixel-depth-jump"}},
-                        {method != "superpixel" && method != "supervoxel",
+                        {!superpixels && !namesCliques(method, "supervoxel"),
                          "with --method " + method,
                          {"voxel-size"}}});
   arguments.parameters.validate();
@@ -256,8 +258,9 @@ group(const Arguments& arguments)
   moveToVoxelCentres(read);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
-  if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))
-    setFrame(arguments.frame, arguments.input, read, *superpixels);
+  for (const auto& each : generatorsOf(generator))
+    if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(each.get()))
+      setFrame(arguments.frame, arguments.input, read, *superpixels);
   try {
     generator->setOrigin(read.origin);
     generator->setMeanPositions(means, read.table.voxel_grid[0]);

@@ -113,7 +113,12 @@ readCloud(const Arguments& arguments, const LabelSet& label_set)
                         parseScanColumns(arguments.scan_columns));
   if (mapping && cloud.has_labels && cloud.table.find("label") < 0)
     refuseForProbabilities(arguments.input, {"--label-mapping"});
-  if (!cloud.has_labels && !cloud.cloud->empty())
+  const bool wants_planes = !arguments.planes.empty() || !arguments.polygons.empty();
+  if (!cloud.has_labels && wants_planes && arguments.objects.empty() &&
+      arguments.boxes.empty())
+    for (pcl::PointXYZRGBL& point : *cloud.cloud) // planes need no labels
+      point.label = kUnlabelled;
+  else if (!cloud.has_labels && !cloud.cloud->empty())
     fail<BadInputException>(arguments.input, ": has no labels",
                             textOfDoubts(cloud.table.doubts, arguments.input));
   for (std::size_t i = 0; i < cloud.cloud->size() && label_set.size() > 0; ++i)

@@ -21,9 +21,15 @@ CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
         badParameter("cliques: index ", i, " is beyond the ", input_->size(),
                      " points of the cloud");
     const Cloud::ConstPtr means = means_;
-    if (means)
-      means_ = std::make_shared<Cloud>(meansOr(*input_), *indices_);
-    cliques = generate(Cloud(*input_, *indices_));
+    try {
+      if (means)
+        means_ = std::make_shared<Cloud>(meansOr(*input_), *indices_);
+      cliques = generate(Cloud(*input_, *indices_));
+    }
+    catch (...) {
+      means_ = means;
+      throw;
+    }
     means_ = means;
     for (pcl::PointIndices& clique : cliques)
       for (pcl::index_t& i : clique.indices)

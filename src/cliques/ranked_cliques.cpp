@@ -13,6 +13,9 @@ RankedCliques::RankedCliques(std::vector<CliqueGenerator::Ptr> generators)
 {
   if (generators_.empty())
     badParameter("ranked cliques: there is no generator");
+  for (const CliqueGenerator::Ptr& each : generators_)
+    if (!each)
+      badParameter("ranked cliques: a generator is null");
 }
 
 bool
@@ -44,6 +47,14 @@ RankedCliques::generate(const Cloud& cloud)
         is_taken[std::size_t(i)] = true;
   }
   return cliques;
+}
+
+std::vector<CliqueGenerator::Ptr>
+generatorsOf(const CliqueGenerator::Ptr& generator)
+{
+  if (const auto ranked = std::dynamic_pointer_cast<RankedCliques>(generator))
+    return ranked->generators();
+  return {generator};
 }
 
 } // namespace pcl_semantic

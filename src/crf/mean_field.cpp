@@ -115,7 +115,7 @@ private:
         self_responses_[std::size_t(i)] += kernel->diagonal(i);
   }
 
-  // Eqs. (10) and (11) without the kernels.
+  // Eqs. (10) and (11) without the kernels between variables.
   void
   startFromCliques()
   {

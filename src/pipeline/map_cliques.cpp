@@ -10,10 +10,7 @@ namespace pcl_semantic {
 MapCliques::MapCliques(const MapperConfig& config)
     : generator_(makeCliqueGenerator(config.cliques, config.clique_parameters))
 {
-  std::vector<CliqueGenerator::Ptr> generators{generator_};
-  if (const auto ranked = std::dynamic_pointer_cast<RankedCliques>(generator_))
-    generators = ranked->generators();
-  for (const CliqueGenerator::Ptr& each : generators)
+  for (const CliqueGenerator::Ptr& each : generatorsOf(generator_))
     if (auto superpixels = std::dynamic_pointer_cast<SuperpixelCliques>(each))
       superpixels_.push_back(superpixels);
 }

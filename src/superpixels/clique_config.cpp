@@ -146,6 +146,9 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
   const std::vector<std::string> parts = partsOf(text);
   if (parts.size() == 1)
     return makeOne(text, parameters);
+  if (std::find(parts.begin(), parts.end(), "") != parts.end())
+    badParameter("cliques are '", text,
+                 "', expected a method before and after a comma");
   std::vector<CliqueGenerator::Ptr> generators;
   for (const std::string& part : parts)
     generators.push_back(makeOne(part, parameters));

@@ -3,10 +3,12 @@
 
 #include "plane_raster.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace pcl_semantic {
@@ -19,7 +21,7 @@ class PlaneGrower {
 public:
   PlaneGrower(const SurfaceCells& cells, const PlaneLimits& limits)
       : cells_(cells), limits_(limits), cosine_(std::cos(limits.angle)),
-        state_(cells.size(), State::free), visit_(cells.size(), 0)
+        tries_(cells.size(), 0), visit_(cells.size(), 0)
   {}
 
   std::vector<GrownPlane>
@@ -35,43 +37,60 @@ public:
     });
     std::vector<GrownPlane> planes;
     for (const std::int32_t seed : seeds) {
-      if (state_[std::size_t(seed)] != State::free)
+      if (tries_[std::size_t(seed)] > 0)
         continue;
       GrownPlane plane = growFrom(seed);
       const bool is_large = isLarge(plane);
       // The cells of a small plane may join another one, but do not begin again.
       for (const std::int32_t c : plane.cells)
-        state_[std::size_t(c)] = is_large ? State::taken : State::tried;
-      state_[std::size_t(seed)] = is_large ? State::taken : State::tried;
+        tries_[std::size_t(c)] =
+            is_large ? most_tries : std::uint8_t(tries_[std::size_t(c)] + 1);
+      if (plane.cells.empty() || tries_[std::size_t(seed)] == 0)
+        tries_[std::size_t(seed)] = 1;
       if (is_large)
         planes.push_back(std::move(plane));
     }
     return planes;
   }
 
-  void
-  merge(std::vector<GrownPlane>& planes) const
+  std::vector<GrownPlane>
+  merged(std::vector<GrownPlane> planes) const
   {
     sortBySize(planes);
-    for (std::size_t i = 0; i < planes.size(); ++i)
-      for (std::size_t j = i + 1; j < planes.size();) {
-        if (!arePartsOfOne(planes[i], planes[j])) {
+    std::vector<Part> parts;
+    for (GrownPlane& plane : planes)
+      parts.push_back(partOf(std::move(plane)));
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      for (std::size_t j = i + 1; j < parts.size();) {
+        if (!arePartsOfOne(parts[i], parts[j])) {
           ++j;
           continue;
         }
-        GrownPlane& all = planes[i];
-        all.cells.insert(all.cells.end(), planes[j].cells.begin(),
-                         planes[j].cells.end());
-        std::sort(all.cells.begin(), all.cells.end());
-        all.plane = fit(all.cells);
-        planes.erase(planes.begin() + std::ptrdiff_t(j));
+        join(parts[j], parts[i]);
+        parts.erase(parts.begin() + std::ptrdiff_t(j));
         j = i + 1; // the larger plane may fit others
       }
+    planes.clear();
+    for (Part& part : parts)
+      planes.push_back(std::move(part.plane));
     sortBySize(planes);
+    return planes;
   }
 
 private:
-  enum class State : char { free, tried, taken };
+  using Cube = std::array<double, 3>; // whole numbers
+
+  // A plane while parts are merged.
+  struct Part {
+    GrownPlane plane;
+    PlaneMoments moments;
+    Eigen::AlignedBox3d box;                          // of the cells' means
+    std::vector<std::pair<Cube, std::int32_t>> cells; // by cube with the gap as edge
+  };
+
+  // Refused planes that a cell may be in: without a limit, each leftover seed would
+  // grow the same plane again.
+  static constexpr std::uint8_t most_tries = 4;
 
   static void
   sortBySize(std::vector<GrownPlane>& planes)
@@ -139,7 +158,7 @@ private:
     ++visits_;
     std::vector<std::int32_t> cells;
     const auto join = [&](std::size_t c) {
-      if (visit_[c] == visits_ || state_[c] == State::taken || !fits(grown.plane, c))
+      if (visit_[c] == visits_ || tries_[c] >= most_tries || !fits(grown.plane, c))
         return;
       visit_[c] = visits_;
       cells.push_back(std::int32_t(c));
@@ -152,50 +171,84 @@ private:
     return cells;
   }
 
-  bool
-  arePartsOfOne(const GrownPlane& large, const GrownPlane& small) const
+  Part
+  partOf(GrownPlane plane) const
   {
-    if (std::abs(large.plane.normal.dot(small.plane.normal)) < cosine_)
-      return false;
-    double sum = 0.0;
-    for (const std::int32_t c : small.cells) {
-      const double distance = large.plane.distance(cells_[std::size_t(c)].mean);
-      sum += distance * distance;
+    Part part{std::move(plane), PlaneMoments(plane.plane.centre), {}, {}};
+    for (const std::int32_t c : part.plane.cells) {
+      const Eigen::Vector3d& mean = cells_[std::size_t(c)].mean;
+      part.moments.add(mean);
+      part.box.extend(mean);
+      part.cells.emplace_back(cubeOf(mean), c);
     }
-    return sum <= limits_.distance * limits_.distance * double(small.cells.size()) &&
+    std::sort(part.cells.begin(), part.cells.end());
+    return part;
+  }
+
+  void
+  join(const Part& small, Part& large) const
+  {
+    const auto append = [](const auto& from, auto& to) {
+      const auto middle = std::ptrdiff_t(to.size());
+      to.insert(to.end(), from.begin(), from.end());
+      std::inplace_merge(to.begin(), to.begin() + middle, to.end());
+    };
+    append(small.plane.cells, large.plane.cells);
+    append(small.cells, large.cells);
+    for (const std::int32_t c : small.plane.cells)
+      large.moments.add(cells_[std::size_t(c)].mean);
+    large.box.extend(small.box);
+    if (const FittedPlane plane = fitPlane(large.moments); !plane.normal.isZero())
+      large.plane.plane = plane;
+  }
+
+  bool
+  arePartsOfOne(const Part& large, const Part& small) const
+  {
+    const FittedPlane& plane = large.plane.plane;
+    if (std::abs(plane.normal.dot(small.plane.plane.normal)) < cosine_)
+      return false;
+    // Mean square of the distances of the small plane's cells.
+    const auto [xx, xy, xz, yy, yz, zz] = small.moments.covariance();
+    Eigen::Matrix3d covariance;
+    covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    const double distance = plane.distance(small.moments.mean());
+    const double square =
+        plane.normal.dot(covariance * plane.normal) + distance * distance;
+    return square <= limits_.distance * limits_.distance &&
+           large.box.squaredExteriorDistance(small.box) <= limits_.gap * limits_.gap &&
            areNear(large, small);
   }
 
-  // Whether two cells of the planes are within the gap. Only cells in neighbouring
-  // cubes with the gap as edge are compared.
-  bool
-  areNear(const GrownPlane& large, const GrownPlane& small) const
+  Cube
+  cubeOf(const Eigen::Vector3d& mean) const
   {
-    using Cube = std::tuple<int, int, int>;
-    const auto cubeOf = [&](std::int32_t c) {
-      const Eigen::Vector3d& p = cells_[std::size_t(c)].mean;
-      const auto part = [&](double x) { return int(std::floor(x / limits_.gap)); };
-      return Cube(part(p.x()), part(p.y()), part(p.z()));
-    };
-    std::vector<std::pair<Cube, std::int32_t>> cells;
-    for (const std::int32_t c : large.cells)
-      cells.emplace_back(cubeOf(c), c);
-    std::sort(cells.begin(), cells.end());
+    return {std::floor(mean.x() / limits_.gap), std::floor(mean.y() / limits_.gap),
+            std::floor(mean.z() / limits_.gap)};
+  }
+
+  // Whether two cells of the planes are within the gap. Only cells in neighbouring
+  // cubes are compared.
+  bool
+  areNear(const Part& large, const Part& small) const
+  {
     const double squared = limits_.gap * limits_.gap;
     const auto isNear = [&](const Cube& cube, const Eigen::Vector3d& mean) {
-      auto found = std::lower_bound(cells.begin(), cells.end(), std::pair(cube, -1));
-      for (; found != cells.end() && found->first == cube; ++found)
+      auto found =
+          std::lower_bound(large.cells.begin(), large.cells.end(), std::pair(cube, -1));
+      for (; found != large.cells.end() && found->first == cube; ++found)
         if ((cells_[std::size_t(found->second)].mean - mean).squaredNorm() <= squared)
           return true;
       return false;
     };
-    for (const std::int32_t c : small.cells) {
-      const auto [x, y, z] = cubeOf(c);
+    for (const auto& [cube, c] : small.cells) {
       const Eigen::Vector3d& mean = cells_[std::size_t(c)].mean;
-      for (int dx = -1; dx <= 1; ++dx)
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dz = -1; dz <= 1; ++dz)
-            if (isNear(Cube(x + dx, y + dy, z + dz), mean))
+      if (large.box.squaredExteriorDistance(mean) > squared)
+        continue;
+      for (double x = cube[0] - 1.0; x <= cube[0] + 1.0; ++x)
+        for (double y = cube[1] - 1.0; y <= cube[1] + 1.0; ++y)
+          for (double z = cube[2] - 1.0; z <= cube[2] + 1.0; ++z)
+            if (isNear({x, y, z}, mean))
               return true;
     }
     return false;
@@ -204,7 +257,7 @@ private:
   const SurfaceCells& cells_;
   PlaneLimits limits_;
   double cosine_;
-  std::vector<State> state_;
+  std::vector<std::uint8_t> tries_;  // refused planes of each cell; most_tries = taken
   std::vector<std::uint32_t> visit_; // last visit of each cell
   std::uint32_t visits_ = 0;
 };
@@ -215,9 +268,7 @@ std::vector<GrownPlane>
 growPlanes(const SurfaceCells& cells, const PlaneLimits& limits)
 {
   PlaneGrower grower(cells, limits);
-  std::vector<GrownPlane> planes = grower.grow();
-  grower.merge(planes);
-  return planes;
+  return grower.merged(grower.grow());
 }
 
 } // namespace pcl_semantic

@@ -143,6 +143,8 @@ fitPlane(const PlaneMoments& moments)
   for (const Eigen::Vector3d& each : {y.cross(z), z.cross(x)})
     if (each.squaredNorm() > normal.squaredNorm())
       normal = each;
+  if (!(normal.squaredNorm() > 0.0)) // two least eigenvalues: a line
+    return plane;
   plane.normal = withPositiveLargest(normal / std::sqrt(normal.squaredNorm()));
   return plane;
 }

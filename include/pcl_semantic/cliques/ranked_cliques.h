@@ -33,4 +33,7 @@ private:
   std::vector<CliqueGenerator::Ptr> generators_;
 };
 
+/** \brief The generators of RankedCliques, or the generator itself. */
+std::vector<CliqueGenerator::Ptr> generatorsOf(const CliqueGenerator::Ptr& generator);
+
 } // namespace pcl_semantic

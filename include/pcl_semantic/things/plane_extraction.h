@@ -26,7 +26,7 @@ struct PlaneParameters {
   /// the points, at least 0.15 m.
   double radius = 0.0;
   double angle = 0.0;    ///< maximum angle between the normals of a plane [rad]
-  double distance = 0.0; ///< maximum distance of a point from its plane [m]
+  double distance = 0.0; ///< maximum distance of a point that joins a plane [m]
   double gap = 0.0;      ///< maximum distance between parts of a plane [m]
   double min_area = 0.0; ///< minimum area of a plane [m^2]
 
