@@ -53,12 +53,25 @@ withPositiveLargest(const Eigen::Vector3d& vector)
   return vector[largest] < 0.0 ? -vector : vector;
 }
 
-// Numbers the cubes along an axis without wide gaps, so that distant points fit into a
-// key: cubes within kReach keep their distance, and others stay further apart.
+// Numbers the cubes along an axis. If the points are too far apart for a key, wide gaps
+// become narrow: cubes within kReach keep their distance, and others stay further
+// apart.
 class AxisNumbers {
 public:
-  AxisNumbers(std::vector<double> cubes, double radius) : cubes_(std::move(cubes))
+  AxisNumbers(const std::vector<Eigen::Vector3d>& points, int axis, double edge,
+              double radius)
   {
+    double last = -HUGE_VAL;
+    first_ = HUGE_VAL;
+    for (const Eigen::Vector3d& point : points) {
+      const double cube = std::floor(point[axis] / edge);
+      first_ = std::min(first_, cube);
+      last = std::max(last, cube);
+    }
+    if (last - first_ < most)
+      return;
+    for (const Eigen::Vector3d& point : points)
+      cubes_.push_back(std::floor(point[axis] / edge));
     std::sort(cubes_.begin(), cubes_.end());
     cubes_.erase(std::unique(cubes_.begin(), cubes_.end()), cubes_.end());
     std::uint64_t number = kReach;
@@ -67,35 +80,27 @@ public:
         number += std::uint64_t(std::min(cubes_[i] - cubes_[i - 1], kReach + 1.0));
       numbers_.push_back(number);
     }
-    if (number >= (1u << kBits) - kReach)
+    if (double(number) >= most)
       badInput("planes extend over ", number, " cubes, expected less than ",
-               (1u << kBits) - kReach, " for a radius of ", radius, " m");
+               std::uint64_t(most), " for a radius of ", radius, " m");
   }
 
   std::uint64_t
   operator[](double cube) const
   {
+    if (cubes_.empty())
+      return std::uint64_t(cube - first_) + kReach;
     return numbers_[std::size_t(std::lower_bound(cubes_.begin(), cubes_.end(), cube) -
                                 cubes_.begin())];
   }
 
 private:
-  std::vector<double> cubes_;
+  static constexpr double most = (1u << kBits) - 2.0 * kReach; // cubes
+
+  double first_ = 0.0;
+  std::vector<double> cubes_; // empty: the numbers are those of the cubes
   std::vector<std::uint64_t> numbers_;
 };
-
-AxisNumbers
-numbersOf(const std::vector<Eigen::Vector3d>& points, int axis, double edge,
-          double radius)
-{
-  std::vector<double> cubes;
-  cubes.reserve(points.size());
-  for (const Eigen::Vector3d& point : points)
-    if (const double cube = std::floor(point[axis] / edge);
-        cubes.empty() || cube != cubes.back())
-      cubes.push_back(cube);
-  return {std::move(cubes), radius};
-}
 
 } // namespace
 
@@ -162,9 +167,9 @@ SurfaceCells::sort(const std::vector<Eigen::Vector3d>& points)
 {
   const double edge = radius_ / kReach;
   // A grid of the cloud's frame: a distant point does not move the others' cubes.
-  const std::array<AxisNumbers, 3> axes{numbersOf(points, 0, edge, radius_),
-                                        numbersOf(points, 1, edge, radius_),
-                                        numbersOf(points, 2, edge, radius_)};
+  const std::array<AxisNumbers, 3> axes{AxisNumbers(points, 0, edge, radius_),
+                                        AxisNumbers(points, 1, edge, radius_),
+                                        AxisNumbers(points, 2, edge, radius_)};
   std::vector<std::pair<Key, std::size_t>> keyed(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d cube = (points[i] / edge).array().floor();

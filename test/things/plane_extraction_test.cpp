@@ -307,7 +307,7 @@ TEST(PlaneExtraction, RefusesParametersAndExtents)
   parameters.radius = 0.1;
   EXPECT_TRUE(
       holds(thrownMessage<BadInputException>([&] { planesOf(line, parameters); }),
-            "planes extend over 2399999 cubes, expected less than 2097150"));
+            "planes extend over 2399999 cubes, expected less than 2097148"));
 }
 
 TEST(PlaneExtraction, ADistantPointDoesNotMatter)
