@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace pcl_semantic {
@@ -45,7 +44,7 @@ public:
       for (const std::int32_t c : plane.cells)
         tries_[std::size_t(c)] =
             is_large ? most_tries : std::uint8_t(tries_[std::size_t(c)] + 1);
-      if (plane.cells.empty() || tries_[std::size_t(seed)] == 0)
+      if (tries_[std::size_t(seed)] == 0) // the plane turned away from its seed
         tries_[std::size_t(seed)] = 1;
       if (is_large)
         planes.push_back(std::move(plane));
@@ -174,7 +173,8 @@ private:
   Part
   partOf(GrownPlane plane) const
   {
-    Part part{std::move(plane), PlaneMoments(plane.plane.centre), {}, {}};
+    const Eigen::Vector3d centre = plane.plane.centre;
+    Part part{std::move(plane), PlaneMoments(centre), {}, {}};
     for (const std::int32_t c : part.plane.cells) {
       const Eigen::Vector3d& mean = cells_[std::size_t(c)].mean;
       part.moments.add(mean);
