@@ -121,6 +121,31 @@ TEST(ThingsOfAMap, AreInAllOutputs)
   EXPECT_EQ(bytesOf(map + "/scan_labels/000000.label").size(), 8u);
 }
 
+TEST(PlanesOfAMap, AreThoseOfItsCloudAndOfItsArchive)
+{
+  const TemporaryFolder folder;
+  const std::string map = folder.path("map"), archive = folder.path("a.map");
+  succeed(mapOf(tinyStreet()) + " --output " + map + " --archive " + archive);
+  const auto planes = readJson(map + "/planes.json")["planes"];
+  ASSERT_GT(planes.size(), 0u);
+  succeed("things " + map + "/map.pcd " + folder.path("t.pcd") + " --planes " +
+          folder.path("t.json") + " --label-set " + map + "/label_set.yaml");
+  EXPECT_EQ(readJson(folder.path("t.json"))["planes"], planes);
+  const PcdTable table = readPcd(folder.path("t.pcd"));
+  const PcdColumn column(table, table.find("plane"));
+  std::map<std::uint32_t, std::size_t> points;
+  for (std::size_t i = 0; i < table.width; ++i)
+    ++points[std::uint32_t(column(i))];
+  for (const auto& each : planes)
+    EXPECT_EQ(points[each["id"]], each["points"].get<std::size_t>());
+  succeed("archive export " + archive + " " + folder.path("e.pcd") + " --planes " +
+          folder.path("e.json") + " --polygons " + folder.path("e.ply"));
+  EXPECT_EQ(readJson(folder.path("e.json"))["planes"], planes);
+  EXPECT_EQ(bytesOf(folder.path("e.ply")), bytesOf(map + "/planes.ply"));
+  succeed(mapOf(tinyStreet()) + " --no-things --output " + folder.path("none"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("none/planes.json")));
+}
+
 TEST(ThingsOfAMap, NeedAClassMarkedThing)
 {
   const TemporaryFolder folder;
