@@ -101,9 +101,6 @@ setCliques(const std::string& cliques, const Arguments& arguments,
 {
   if (cliques == "none" || input.cloud->empty())
     return;
-  // Only generators use them; the CRF moves voxels to their centres.
-  const auto means = std::make_shared<CliqueGenerator::Cloud>();
-  pcl::copyPointCloud(*input.cloud, *means);
   const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
   if (is_file && cliques.find_first_of("./") == std::string::npos && !isThere(cliques))
     fail<InvalidParameterException>(
@@ -115,6 +112,9 @@ setCliques(const std::string& cliques, const Arguments& arguments,
   if (cliques == "field")
     crf.setCliques(input.cliques);
   else if (namesCloudCliques(cliques)) {
+    // The CRF moves voxels to their centres.
+    const auto means = std::make_shared<CliqueGenerator::Cloud>();
+    pcl::copyPointCloud(*input.cloud, *means);
     const CliqueGenerator::Ptr generator = makeCliqueGenerator(cliques);
     generator->setMeanPositions(means, input.table.voxel_grid[0]);
     crf.setCliqueGenerator(generator);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "json_object.h"
 
+#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 namespace pcl_semantic {
@@ -43,6 +44,28 @@ numbersFrom(const nlohmann::json& list, const std::string& place, std::size_t co
   if (!is_good)
     badInput(place, ": got ", textOf(list), ", expected numbers");
   return list.get<std::vector<double>>();
+}
+
+nlohmann::ordered_json
+jsonOf(const Eigen::Vector3d& vector)
+{
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+nlohmann::ordered_json
+entryOf(std::uint32_t id, Label label, const LabelSet& label_set)
+{
+  nlohmann::ordered_json json = {{"id", id}, {"label", int(label)}};
+  if (label_set.size() > 0 && label != kUnlabelled)
+    json["class"] = label_set[label].name;
+  return json;
+}
+
+void
+writeList(const std::string& path, const std::string& key,
+          const nlohmann::ordered_json& list)
+{
+  writeTextFile(path, nlohmann::ordered_json{{key, list}}.dump(1) + "\n");
 }
 
 void

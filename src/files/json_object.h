@@ -32,6 +32,18 @@ std::string textOf(const nlohmann::json& value);
 std::vector<double> numbersFrom(const nlohmann::json& list, const std::string& place,
                                 std::size_t count);
 
+nlohmann::ordered_json jsonOf(const Eigen::Vector3d& vector);
+
+/** \brief Begins the entry of a list of things: id, label and, if there is one, the
+ * class's name. */
+nlohmann::ordered_json entryOf(std::uint32_t id, Label label,
+                               const LabelSet& label_set);
+
+/** \brief Writes a list as the only value of a JSON file.
+ * \throws OutputException if the file cannot be written */
+void writeList(const std::string& path, const std::string& key,
+               const nlohmann::ordered_json& list);
+
 /** \brief Refuses an id that an earlier element of a list has.
  * \param[in,out] numbers ids of the earlier elements */
 void requireNewId(std::uint32_t id, const std::string& place,
@@ -141,10 +153,17 @@ public:
     return at(key).get<std::string>();
   }
 
-  // The class of a label has to be that of the label set, if both have one.
+  // The id and label of entryOf(). The class has to be that of the label set, if both
+  // have one.
+  // \param[in] least label
+  template <typename Thing>
   void
-  requireClass(Label label, const LabelSet& label_set) const
+  readEntry(Thing& thing, unsigned least, const LabelSet& label_set) const
   {
+    const unsigned classes = label_set.size() > 0 ? unsigned(label_set.size()) : 255;
+    thing.id = whole("id", 1u, std::numeric_limits<std::uint32_t>::max());
+    thing.label = Label(whole("label", least, classes));
+    const Label label = thing.label;
     if (label != kUnlabelled && label_set.size() > 0 && has("class") &&
         text("class") != label_set[label].name)
       refuse("class", at("class"), label_set[label].name, ", the name of label ",
@@ -162,5 +181,23 @@ private:
   const nlohmann::json& json_;
   std::string place_;
 };
+
+/** \brief Reads a list of objects with different ids.
+ * \param[in] read makes a Thing with an `id` of a JsonObject
+ * \throws BadInputException */
+template <typename Thing, typename Read>
+std::vector<Thing>
+readList(const std::string& path, const char* key, Read&& read)
+{
+  const nlohmann::json json = readJson(path);
+  std::vector<Thing> things;
+  std::set<std::uint32_t> numbers;
+  JsonObject(json, path)
+      .forEach(key, [&](const nlohmann::json& thing, const std::string& place) {
+        things.push_back(read(JsonObject(thing, place)));
+        requireNewId(things.back().id, place, numbers);
+      });
+  return things;
+}
 
 } // namespace pcl_semantic

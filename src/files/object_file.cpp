@@ -5,10 +5,7 @@
 #include "json_object.h"
 #include "ply_lines.h"
 
-#include <pcl_semantic/files/atomic_file.h>
-
 #include <limits>
-#include <set>
 
 namespace pcl_semantic {
 
@@ -17,31 +14,23 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json
-toJson(const Eigen::Vector3d& vector)
-{
-  return {vector.x(), vector.y(), vector.z()};
-}
-
-Json
 toJson(const ObjectSummary& object, const LabelSet& label_set)
 {
-  Json json = {{"id", object.id}, {"label", int(object.label)}};
-  if (label_set.size() > 0)
-    json["class"] = label_set[object.label].name;
+  Json json = entryOf(object.id, object.label, label_set);
   if (!object.probabilities.empty())
     json["probabilities"] = object.probabilities;
   json["points"] = object.points;
-  json["centre"] = toJson(object.centre);
-  json["box"] = {{"min", toJson(object.box.min())}, {"max", toJson(object.box.max())}};
-  json["yaw_box"] = {{"centre", toJson(object.yaw_box.centre)},
-                     {"size", toJson(object.yaw_box.size)},
+  json["centre"] = jsonOf(object.centre);
+  json["box"] = {{"min", jsonOf(object.box.min())}, {"max", jsonOf(object.box.max())}};
+  json["yaw_box"] = {{"centre", jsonOf(object.yaw_box.centre)},
+                     {"size", jsonOf(object.yaw_box.size)},
                      {"yaw", object.yaw_box.yaw}};
   if (const auto& track = object.track) {
     json["first_frame"] = track->first_frame;
     json["last_frame"] = track->last_frame;
     json["frames"] = track->frames;
     json["state"] = track->moving ? "moving" : "still";
-    json["motion"] = toJson(track->motion);
+    json["motion"] = jsonOf(track->motion);
     if (track->speed >= 0.0) // false for NaN
       json["speed"] = track->speed;
   }
@@ -80,11 +69,8 @@ yawBoxFrom(const JsonObject& json)
 ObjectSummary
 objectFrom(const JsonObject& json, const LabelSet& label_set)
 {
-  const unsigned classes = label_set.size() > 0 ? unsigned(label_set.size()) : 255;
   ObjectSummary object;
-  object.id = json.whole("id", 1u, std::numeric_limits<std::uint32_t>::max());
-  object.label = Label(json.whole("label", 1u, classes));
-  json.requireClass(object.label, label_set);
+  json.readEntry(object, 1u, label_set);
   if (json.has("probabilities"))
     for (const double each :
          json.numbers("probabilities", std::size_t(label_set.size()))) {
@@ -112,21 +98,15 @@ writeObjects(const std::string& path, const std::vector<ObjectSummary>& objects,
   Json list = Json::array();
   for (const ObjectSummary& object : objects)
     list.push_back(toJson(object, label_set));
-  writeTextFile(path, Json{{"objects", list}}.dump(1) + "\n");
+  writeList(path, "objects", list);
 }
 
 std::vector<ObjectSummary>
 readObjects(const std::string& path, const LabelSet& label_set)
 {
-  const nlohmann::json json = readJson(path);
-  std::vector<ObjectSummary> objects;
-  std::set<std::uint32_t> numbers;
-  JsonObject(json, path)
-      .forEach("objects", [&](const nlohmann::json& object, const std::string& place) {
-        objects.push_back(objectFrom(JsonObject(object, place), label_set));
-        requireNewId(objects.back().id, place, numbers);
-      });
-  return objects;
+  return readList<ObjectSummary>(path, "objects", [&](const JsonObject& json) {
+    return objectFrom(json, label_set);
+  });
 }
 
 void

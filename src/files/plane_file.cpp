@@ -5,11 +5,8 @@
 #include "json_object.h"
 #include "ply_lines.h"
 
-#include <pcl_semantic/files/atomic_file.h>
-
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace pcl_semantic {
 
@@ -18,17 +15,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json
-toJson(const Eigen::Vector3d& vector)
-{
-  return {vector.x(), vector.y(), vector.z()};
-}
-
-Json
 toJson(const PlaneRing& ring)
 {
   Json json = Json::array();
   for (const Eigen::Vector3d& corner : ring)
-    json.push_back(toJson(corner));
+    json.push_back(jsonOf(corner));
   return json;
 }
 
@@ -44,11 +35,9 @@ toJson(const PlanePolygon& polygon)
 Json
 toJson(const PlaneSummary& plane, const LabelSet& label_set)
 {
-  Json json = {{"id", plane.id}, {"label", int(plane.label)}};
-  if (label_set.size() > 0 && plane.label != kUnlabelled)
-    json["class"] = label_set[plane.label].name;
+  Json json = entryOf(plane.id, plane.label, label_set);
   json["points"] = plane.points;
-  json["normal"] = toJson(plane.normal);
+  json["normal"] = jsonOf(plane.normal);
   json["offset"] = plane.offset;
   json["area"] = plane.area;
   json["polygons"] = Json::array();
@@ -83,11 +72,8 @@ polygonFrom(const JsonObject& json)
 PlaneSummary
 planeFrom(const JsonObject& json, const LabelSet& label_set)
 {
-  const unsigned classes = label_set.size() > 0 ? unsigned(label_set.size()) : 255;
   PlaneSummary plane;
-  plane.id = json.whole("id", 1u, std::numeric_limits<std::uint32_t>::max());
-  plane.label = Label(json.whole("label", 0u, classes));
-  json.requireClass(plane.label, label_set);
+  json.readEntry(plane, 0u, label_set);
   plane.points =
       json.whole("points", std::size_t(0), std::numeric_limits<std::size_t>::max());
   plane.normal = json.vector("normal");
@@ -121,21 +107,15 @@ writePlanes(const std::string& path, const std::vector<PlaneSummary>& planes,
   Json list = Json::array();
   for (const PlaneSummary& plane : planes)
     list.push_back(toJson(plane, label_set));
-  writeTextFile(path, Json{{"planes", list}}.dump(1) + "\n");
+  writeList(path, "planes", list);
 }
 
 std::vector<PlaneSummary>
 readPlanes(const std::string& path, const LabelSet& label_set)
 {
-  const nlohmann::json json = readJson(path);
-  std::vector<PlaneSummary> planes;
-  std::set<std::uint32_t> numbers;
-  JsonObject(json, path)
-      .forEach("planes", [&](const nlohmann::json& plane, const std::string& place) {
-        planes.push_back(planeFrom(JsonObject(plane, place), label_set));
-        requireNewId(planes.back().id, place, numbers);
-      });
-  return planes;
+  return readList<PlaneSummary>(path, "planes", [&](const JsonObject& json) {
+    return planeFrom(json, label_set);
+  });
 }
 
 void

@@ -4,6 +4,7 @@
 #include "slic_cliques.h"
 
 #include "core/fail.h"
+#include "core/split.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/cliques/ranked_cliques.h>
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -50,12 +52,10 @@ parseSuperpixels(const std::string& text, const std::string& word,
 std::vector<std::string>
 partsOf(const std::string& text)
 {
-  std::vector<std::string> parts{""};
-  for (const char letter : text)
-    if (letter == ',')
-      parts.emplace_back();
-    else
-      parts.back() += letter;
+  const std::vector<std::string_view> views = splitAt(',', text);
+  std::vector<std::string> parts(views.begin(), views.end());
+  if (text.empty() || text.back() == ',') // splitAt() drops an empty last part
+    parts.emplace_back();
   return parts;
 }
 

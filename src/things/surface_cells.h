@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -72,9 +73,8 @@ struct FittedPlane {
 };
 
 /** \brief Fits a plane. It has no normal if the points are fewer than three or lie on
- * a line. Uses no function of the mathematical library
- * but the square root, so all platforms give the same bits. The largest component of
- * the normal is positive. */
+ * a line. Uses no function of the mathematical library but the square root, so all
+ * platforms give the same bits. The largest component of the normal is positive. */
 FittedPlane fitPlane(const PlaneMoments& moments);
 
 /** \brief The points of one cube of a grid. */

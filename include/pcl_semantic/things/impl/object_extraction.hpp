@@ -3,9 +3,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/things/impl/used_indices.hpp>
 #include <pcl_semantic/things/object_extraction.h>
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -18,16 +18,12 @@ ObjectExtraction<PointT>::extract(std::vector<pcl::PointIndices>& objects)
   objects.clear();
   if (!this->initCompute())
     throw InvalidParameterException("ObjectExtraction: no input cloud");
-  std::vector<pcl::index_t> indices(*indices_);
+  const pcl::Indices indices =
+      usedIndices("ObjectExtraction", *indices_, input_->size());
   this->deinitCompute();
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   const PlaceTest has_place(*input_);
   std::vector<Point> points;
   for (const pcl::index_t i : indices) {
-    if (i < 0 || std::size_t(i) >= input_->size())
-      throw InvalidParameterException("ObjectExtraction: index " + std::to_string(i) +
-                                      " is out of range");
     const PointT& point = (*input_)[std::size_t(i)];
     if (point.label > 255)
       throw InvalidParameterException("ObjectExtraction: point " + std::to_string(i) +

@@ -3,10 +3,11 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/things/impl/used_indices.hpp>
 #include <pcl_semantic/things/plane_extraction.h>
 
-#include <algorithm>
-#include <string>
+#include <utility>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -16,17 +17,13 @@ PlaneExtraction<PointT>::extract()
 {
   if (!this->initCompute())
     throw InvalidParameterException("PlaneExtraction: no input cloud");
-  pcl::Indices indices(*indices_);
+  const pcl::Indices indices =
+      usedIndices("PlaneExtraction", *indices_, input_->size());
   this->deinitCompute();
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   const PlaceTest has_place(*input_);
   std::vector<Eigen::Vector3d> points;
   pcl::Indices used;
   for (const pcl::index_t i : indices) {
-    if (i < 0 || std::size_t(i) >= input_->size())
-      throw InvalidParameterException("PlaneExtraction: index " + std::to_string(i) +
-                                      " is out of range");
     const PointT& point = (*input_)[std::size_t(i)];
     if (!has_place(point))
       continue;
