@@ -166,24 +166,25 @@ writeThings(const MapReader& archive, const VoxelSelection& selection,
     writeBoxes(arguments.boxes, objects, label_set);
 }
 
-// Planes follow from the selected voxels, which are in memory then.
-void
+// Planes follow from the selected voxels, which are in memory then. Returns the number
+// of each voxel's plane, unless no planes are wanted.
+std::optional<std::vector<std::uint32_t>>
 writePlanesOf(const MapReader& archive, const VoxelSelection& selection,
               const Arguments& arguments, Results& results)
 {
   requireOutput(arguments.planes, ".json");
   requireOutput(arguments.polygons, ".ply");
   if (arguments.planes.empty() && arguments.polygons.empty())
-    return;
+    return std::nullopt;
   const LabelSet& label_set = archive.header().label_set;
   const VoxelCloud voxels = readVoxels(archive, selection);
-  const std::vector<PlaneSummary> planes =
-      findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).planes;
-  results.push_back({"planes", planes.size()});
+  CloudPlanes found = findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin);
+  results.push_back({"planes", found.planes.size()});
   if (!arguments.planes.empty())
-    writePlanes(arguments.planes, planes, label_set);
+    writePlanes(arguments.planes, found.planes, label_set);
   if (!arguments.polygons.empty())
-    writePolygons(arguments.polygons, planes, label_set);
+    writePolygons(arguments.polygons, found.planes, label_set);
+  return std::move(found.numbers);
 }
 
 int
@@ -197,10 +198,11 @@ exportCloud(const Arguments& arguments)
   const VoxelSelection selection = selectionOf(arguments, archive->header().label_set);
   Results things;
   writeThings(*archive, selection, arguments, things);
-  writePlanesOf(*archive, selection, arguments, things);
+  const std::optional<std::vector<std::uint32_t>> planes =
+      writePlanesOf(*archive, selection, arguments, things);
   const std::size_t voxels =
       exportVoxels(*archive, selection, arguments.files[1], VoxelColour::measured,
-                   showProgress("exporting"));
+                   showProgress("exporting"), planes ? &*planes : nullptr);
   Results results = {{"voxels", voxels}, {"cloud", arguments.files[1]}};
   results.insert(results.end(), things.begin(), things.end());
   printResults(results);

@@ -41,7 +41,7 @@ voxel map, its classes rendered into the camera's images, pictures and a summary
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
-     {"no-things", "do not follow objects, which leave a trail if they move"},
+     {"no-things", "do not follow objects, which then leave trails; find no planes"},
      {"archive FILE", "archive of the map; --resume continues from it"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
@@ -69,7 +69,7 @@ of the frames are written.)",
      {"voxel-size 0.1", "edge of a voxel [m]"},
      {"max-depth 40", "maximum depth of a hit [m]"},
      {"crf dense", "CRF model: none, dense, pn-potts or hierarchical"},
-     {"no-things", "do not follow objects, which leave a trail if they move"},
+     {"no-things", "do not follow objects, which then leave trails; find no planes"},
      {"archive FILE", "archive of the map"},
      {"view", "show the map in a window while it grows"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};

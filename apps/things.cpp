@@ -73,7 +73,8 @@ parse(int argc, char** argv)
        {"boxes", arguments.boxes, "output boxes as lines, one colour per class (.ply)"},
        {"plane-radius", withDefault(arguments.plane.radius),
         "radius of the surroundings of a point, for its normal [m]; 0 = three times "
-        "the spacing of the points, at least 0.15"},
+        "the spacing of the points, at least 0.15; the rest is searched with twice "
+        "the radius"},
        {"plane-distance", withDefault(arguments.plane.distance),
         "maximum distance of a point from its plane [m]; 0 = 0.4 times the radius"},
        {"plane-area", withDefault(arguments.plane.min_area),
@@ -156,19 +157,22 @@ extract(const Arguments& arguments)
   ObjectExtraction<pcl::PointXYZRGBL> extraction;
   extraction.setGap(arguments.gap);
   extraction.setMinClusterSize(std::size_t(arguments.min_points));
-  if (label_set.size() > 0)
-    try {
-      extraction.setLabelSet(label_set);
-    }
-    catch (const InvalidParameterException& error) {
-      fail<BadInputException>(arguments.label_set, ": ", error.what());
-    }
+  const bool has_objects = label_set.size() == 0 || label_set.hasThings();
+  const std::string no_things =
+      arguments.label_set + ": no class is marked thing, so there is no field object";
+  if (!has_objects && !(arguments.objects.empty() && arguments.boxes.empty()))
+    fail<BadInputException>(no_things);
+  if (!has_objects)
+    warn(no_things);
+  else if (label_set.size() > 0)
+    extraction.setLabelSet(label_set);
   LabelledCloud cloud = readCloud(arguments, label_set);
   std::vector<pcl::PointIndices> objects;
   CloudPlanes planes;
   try {
     extraction.setInputCloud(cloud.cloud);
-    extraction.extract(objects);
+    if (has_objects)
+      extraction.extract(objects);
     planes = findPlanes(cloud.cloud, cloud.table.voxel_grid[0], cloud.origin,
                         arguments.plane);
   }
@@ -192,7 +196,8 @@ extract(const Arguments& arguments)
   if (!arguments.polygons.empty())
     writePolygons(arguments.polygons, planes.planes, label_set);
   PcdTable table = cloud.table;
-  table.setColumn("object", numbers);
+  if (has_objects)
+    table.setColumn("object", numbers);
   table.setColumn("plane", planes.numbers);
   writeCloudTable(arguments.output, table);
   printResults({{"objects", objects.size()},

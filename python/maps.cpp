@@ -9,6 +9,7 @@
 #include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/pair_check.h>
+#include <pcl_semantic/things/plane_summary.h>
 
 #include <pcl/common/io.h>
 
@@ -70,7 +71,7 @@ write(const Bound& bound, const Path& path, bool class_colours)
   requirePcdName(path);
   const SemanticVoxelMap& map = bound.map();
   released([&] {
-    writeVoxelCloud(path, bound.occupied(), map.labelSet(),
+    writeVoxelCloud(path, bound.withPlanes(), map.labelSet(),
                     class_colours ? VoxelColour::classes : VoxelColour::measured);
   });
 }
@@ -151,6 +152,12 @@ public:
   occupied() const
   {
     return map_->occupiedEverywhere();
+  }
+
+  VoxelCloud
+  withPlanes() const
+  {
+    return occupied(); // as an export of the program
   }
 
   std::optional<MapObjects>
@@ -240,6 +247,7 @@ public:
       labels = std::make_unique<GivenLabels>();
       labels_ = labels.get();
     }
+    finds_planes_ = config.things;
     mapper_ = std::make_unique<SemanticMapper>(
         labelSetOf(label_set), config, std::move(poses), camera_, std::move(labels));
   }
@@ -257,6 +265,16 @@ public:
     VoxelCloud voxels = map().occupiedEverywhere();
     if (mapper_->objects())
       voxels.objects = mapper_->objects()->numbers(voxels);
+    return voxels;
+  }
+
+  VoxelCloud
+  withPlanes() const
+  {
+    VoxelCloud voxels = occupied();
+    if (finds_planes_)
+      voxels.planes =
+          findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).numbers;
     return voxels;
   }
 
@@ -348,6 +366,7 @@ private:
   std::optional<StereoCamera> camera_;
   GivenPose* pose_ = nullptr;
   GivenLabels* labels_ = nullptr; // null = no camera
+  bool finds_planes_ = false;
   std::unique_ptr<SemanticMapper> mapper_;
   std::atomic<int> frames_ = 0;
   std::set<PairFault> faults_; // already reported ones

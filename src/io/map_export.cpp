@@ -124,7 +124,8 @@ describeObjects(const MapReader& archive, const VoxelSelection& selection)
 
 std::size_t
 exportVoxels(const MapReader& archive, const VoxelSelection& selection,
-             const std::string& path, VoxelColour colour, const BlockProgress& progress)
+             const std::string& path, VoxelColour colour, const BlockProgress& progress,
+             const std::vector<std::uint32_t>* planes)
 {
   std::size_t done = 0;
   const auto step = [&] {
@@ -143,13 +144,24 @@ exportVoxels(const MapReader& archive, const VoxelSelection& selection,
   });
   if (colour == VoxelColour::measured && count > 0 && !has_colour)
     colour = VoxelColour::none;
+  if (planes && planes->size() != count)
+    badParameter("planes of ", planes->size(), " voxels, expected ", count);
   VoxelCloudWriter writer(path, archive.header().label_set, colour, count,
                           archive.header().parameters.voxel_size,
-                          archive.state().cloud_origin, lookup.has_value());
+                          archive.state().cloud_origin,
+                          {lookup.has_value(), planes != nullptr});
+  std::size_t next = 0; // of planes
   forEachCloud(archive, step, [&](VoxelCloud& voxels) {
     if (lookup)
       voxels.objects = lookup->numbers(voxels);
-    writer.write(voxels, select(selection, voxels));
+    const std::vector<bool> is_selected = select(selection, voxels);
+    if (planes) {
+      voxels.planes.assign(voxels.size(), 0);
+      for (std::size_t i = 0; i < voxels.size(); ++i)
+        if (is_selected[i])
+          voxels.planes[i] = (*planes)[next++];
+    }
+    writer.write(voxels, is_selected);
   });
   writer.commit();
   return count;

@@ -21,7 +21,8 @@ packColour(const std::array<std::uint8_t, 3>& rgb)
 }
 
 PcdTable
-makeTable(int classes, std::size_t count, VoxelColour colour, bool has_objects)
+makeTable(int classes, std::size_t count, VoxelColour colour,
+          const VoxelCloudWriter::Fields& fields)
 {
   using Field = pcl::PCLPointField;
   PcdTable table;
@@ -33,8 +34,10 @@ makeTable(int classes, std::size_t count, VoxelColour colour, bool has_objects)
   table.addField("probability", Field::FLOAT32, std::size_t(classes));
   table.addField("entropy", Field::FLOAT32);
   table.addField("observations", Field::UINT32);
-  if (has_objects)
+  if (fields.object)
     table.addField("object", Field::UINT32);
+  if (fields.plane)
+    table.addField("plane", Field::UINT32);
   if (count > std::numeric_limits<pcl::uindex_t>::max())
     badParameter("a cloud cannot have ", count, " points");
   table.width = pcl::uindex_t(count);
@@ -47,11 +50,11 @@ makeTable(int classes, std::size_t count, VoxelColour colour, bool has_objects)
 VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                                    VoxelColour colour, std::size_t count,
                                    double voxel_size, const Eigen::Vector3d& origin,
-                                   bool has_objects)
+                                   Fields fields)
     : file_(path), label_set_(label_set), colour_(colour), missing_(count),
-      has_objects_(has_objects)
+      fields_(fields)
 {
-  PcdTable table = makeTable(label_set.size(), count, colour, has_objects);
+  PcdTable table = makeTable(label_set.size(), count, colour, fields);
   const Eigen::Vector3d corner = Eigen::Vector3d::Zero() - origin; // avoids -0
   table.voxel_grid = {voxel_size, corner.x(), corner.y(), corner.z()};
   writePcdHeader(file_.stream(), table);
@@ -85,8 +88,10 @@ VoxelCloudWriter::write(const VoxelCloud& voxels, const std::vector<bool>& is_wr
     put(voxels.refined.column(column), classes);
     put(&entropy);
     put(&voxels.observations[i]);
-    if (has_objects_)
+    if (fields_.object)
       put(&voxels.objects[i]);
+    if (fields_.plane)
+      put(&voxels.planes[i]);
     file_.stream().write(reinterpret_cast<const char*>(row_.data()),
                          std::streamsize(row_.size()));
     --missing_;
@@ -109,7 +114,8 @@ writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
   if (colour == VoxelColour::measured && voxels.size() > 0 && !hasColour(voxels))
     colour = VoxelColour::none;
   VoxelCloudWriter writer(path, label_set, colour, voxels.size(), voxels.voxel_size,
-                          voxels.origin, !voxels.objects.empty());
+                          voxels.origin,
+                          {!voxels.objects.empty(), !voxels.planes.empty()});
   writer.write(voxels);
   writer.commit();
 }

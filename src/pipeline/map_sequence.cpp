@@ -2,6 +2,7 @@
 #include <pcl_semantic/pipeline/map_sequence.h>
 
 #include <pcl_semantic/pipeline/map_run.h>
+#include <pcl_semantic/things/plane_summary.h>
 
 #include <utility>
 
@@ -26,6 +27,8 @@ mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
   VoxelCloud voxels = run.map().occupiedEverywhere();
   if (run.objects())
     voxels.objects = run.objects()->numbers(voxels);
+  if (config.things)
+    voxels.planes = findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).numbers;
   return voxels;
 }
 

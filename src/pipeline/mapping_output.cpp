@@ -215,8 +215,11 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
     things = objects->summarize(voxels);
   }
   std::vector<PlaneSummary> planes;
-  if (run_.config.things)
-    planes = findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin).planes;
+  if (run_.finds_planes) {
+    CloudPlanes found = findPlanes(voxels.cloud, voxels.voxel_size, voxels.origin);
+    planes = std::move(found.planes);
+    voxels.planes = std::move(found.numbers);
+  }
   writeFinalImages(voxels);
   if (centres_)
     voxels.moveToCentres();
@@ -225,7 +228,7 @@ MappingOutput::finish(const SemanticVoxelMap& map, const ObjectTracker* objects,
                   VoxelColour::classes);
   if (objects)
     writeThings(things);
-  if (run_.config.things) {
+  if (run_.finds_planes) {
     writePlanes(path("planes.json"), planes, run_.label_set);
     writePolygons(path("planes.ply"), planes, run_.label_set);
   }

@@ -7,8 +7,11 @@
 #include "core/fail.h"
 #include "core/point_spacing.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -128,6 +131,126 @@ momentsOf(const SurfaceCells& cells, const std::vector<Eigen::Vector3d>& points,
   return moments;
 }
 
+/** \brief Planes of one search, and the points that it is done with. */
+struct Search {
+  std::vector<ExtractedPlane> planes; ///< their indices are places in `points`
+  std::vector<bool> is_done;          ///< in a plane, or next to one
+};
+
+// Searches with resolved parameters.
+Search
+searchPlanes(const SurfaceCells& cells, const std::vector<Eigen::Vector3d>& points,
+             const PlaneParameters& parameters)
+{
+  PlaneLimits limits;
+  limits.angle = parameters.angle;
+  limits.distance = parameters.distance;
+  limits.gap = parameters.gap;
+  limits.area = parameters.min_area;
+  limits.square = 0.5 * parameters.radius;
+  const std::vector<GrownPlane> grown = growPlanes(cells, limits);
+  const std::vector<int> plane_of_point =
+      PlaneAssignment(cells, grown, limits.distance).assign(points);
+  const std::vector<PlaneMoments> moments =
+      momentsOf(cells, points, plane_of_point, grown);
+  Search search;
+  search.planes.resize(grown.size());
+  for (std::size_t p = 0; p < grown.size(); ++p) {
+    const FittedPlane fitted = fitPlane(moments[p]);
+    const FittedPlane& plane = fitted.normal.isZero() ? grown[p].plane : fitted;
+    search.planes[p].normal = plane.normal;
+    search.planes[p].radius = parameters.radius;
+    search.planes[p].offset = -plane.normal.dot(plane.centre);
+  }
+  const std::vector<int> next_to =
+      PlaneAssignment(cells, grown, 2.0 * limits.distance).assign(points);
+  search.is_done.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (const int p = plane_of_point[i]; p != kNoPlane)
+      search.planes[std::size_t(p)].indices.push_back(pcl::index_t(i));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    search.is_done[i] = next_to[i] != kNoPlane &&
+                        !search.planes[std::size_t(next_to[i])].indices.empty();
+  return search;
+}
+
+// Points that noise spreads farther than the radius show no plane at this radius.
+// Planes of twice the radius, in points that are not done.
+std::vector<ExtractedPlane>
+searchRest(const Search& search, const std::vector<Eigen::Vector3d>& points,
+           PlaneParameters parameters)
+{
+  std::vector<Eigen::Vector3d> rest;
+  pcl::Indices places;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!search.is_done[i]) {
+      rest.push_back(points[i]);
+      places.push_back(pcl::index_t(i));
+    }
+  parameters.radius *= 2.0;
+  const SurfaceCells cells(rest, parameters.radius);
+  std::vector<ExtractedPlane> planes =
+      searchPlanes(cells, rest, parameters.resolved(cells.deviation())).planes;
+  for (ExtractedPlane& plane : planes)
+    for (pcl::index_t& i : plane.indices)
+      i = places[std::size_t(i)];
+  return planes;
+}
+
+constexpr double kCoplanar = 0.1; // largest angle between parts of one plane [rad]
+
+using Box = Eigen::AlignedBox3d;
+
+Box
+boxOf(const ExtractedPlane& plane, const std::vector<Eigen::Vector3d>& points)
+{
+  Box box;
+  for (const pcl::index_t i : plane.indices)
+    box.extend(points[std::size_t(i)]);
+  return box;
+}
+
+// Adds planes of the second search to those of the first one. A plane that continues
+// one of these joins it, so that a wall stays one plane where its noise grows.
+void
+joinPlanes(std::vector<ExtractedPlane> rest, const std::vector<Eigen::Vector3d>& points,
+           const PlaneParameters& first, std::vector<ExtractedPlane>& planes)
+{
+  std::vector<Box> boxes;
+  for (const ExtractedPlane& plane : planes)
+    boxes.push_back(boxOf(plane, points));
+  for (ExtractedPlane& plane : rest) {
+    const Box box = boxOf(plane, points);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const pcl::index_t i : plane.indices)
+      middle += points[std::size_t(i)] / double(plane.indices.size());
+    ExtractedPlane* best = nullptr;
+    double least = first.distance;
+    for (std::size_t p = 0; p < boxes.size(); ++p) {
+      const double distance = std::abs(planes[p].normal.dot(middle) + planes[p].offset);
+      if (boxes[p].isEmpty() || distance > least ||
+          std::abs(planes[p].normal.dot(plane.normal)) < std::cos(kCoplanar) ||
+          boxes[p].exteriorDistance(box) > first.gap)
+        continue;
+      best = &planes[p];
+      least = distance;
+    }
+    if (!best) {
+      planes.push_back(std::move(plane));
+      continue;
+    }
+    if (plane.indices.size() > best->indices.size()) {
+      best->normal = plane.normal;
+      best->offset = plane.offset;
+    }
+    pcl::Indices all;
+    std::merge(best->indices.begin(), best->indices.end(), plane.indices.begin(),
+               plane.indices.end(), std::back_inserter(all));
+    best->indices = std::move(all);
+    best->radius = plane.radius;
+  }
+}
+
 } // namespace
 
 void
@@ -178,38 +301,26 @@ PlaneExtractionBase::extract(const std::vector<Eigen::Vector3d>& points,
     parameters.radius = PlaneParameters::automaticRadius(spacingOf(points));
   const SurfaceCells cells(points, parameters.radius);
   resolved_ = parameters.resolved(cells.deviation());
-  PlaneLimits limits;
-  limits.angle = resolved_.angle;
-  limits.distance = resolved_.distance;
-  limits.gap = resolved_.gap;
-  limits.area = resolved_.min_area;
-  limits.square = 0.5 * resolved_.radius;
-  const std::vector<GrownPlane> grown = growPlanes(cells, limits);
-  const std::vector<int> plane_of_point =
-      PlaneAssignment(cells, grown, limits.distance).assign(points);
-  const std::vector<PlaneMoments> moments =
-      momentsOf(cells, points, plane_of_point, grown);
-  std::vector<ExtractedPlane> planes(grown.size());
+  Search search = searchPlanes(cells, points, resolved_);
+  std::vector<ExtractedPlane>& planes = search.planes;
+  joinPlanes(searchRest(search, points, parameters), points, resolved_, planes);
   using Lowest = std::tuple<double, double, double>;
-  std::vector<std::pair<Lowest, std::size_t>> order(grown.size());
-  for (std::size_t p = 0; p < grown.size(); ++p) {
-    const FittedPlane fitted = fitPlane(moments[p]);
-    const FittedPlane& plane = fitted.normal.isZero() ? grown[p].plane : fitted;
-    planes[p].normal = plane.normal;
-    planes[p].offset = -plane.normal.dot(plane.centre);
-    order[p] = {Lowest(HUGE_VAL, 0.0, 0.0), p};
-  }
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (const int p = plane_of_point[i]; p != kNoPlane) {
-      planes[std::size_t(p)].indices.push_back(indices[i]);
-      Lowest& lowest = order[std::size_t(p)].first;
-      lowest = std::min(lowest, {points[i].z(), points[i].y(), points[i].x()});
+  std::vector<std::pair<Lowest, std::size_t>> order;
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    if (planes[p].indices.empty())
+      continue;
+    Lowest lowest(HUGE_VAL, 0.0, 0.0);
+    for (pcl::index_t& i : planes[p].indices) {
+      const Eigen::Vector3d& point = points[std::size_t(i)];
+      lowest = std::min(lowest, {point.z(), point.y(), point.x()});
+      i = indices[std::size_t(i)];
     }
+    order.emplace_back(lowest, p);
+  }
   std::sort(order.begin(), order.end());
   std::vector<ExtractedPlane> sorted;
   for (const auto& [lowest, p] : order)
-    if (!planes[p].indices.empty())
-      sorted.push_back(std::move(planes[p]));
+    sorted.push_back(std::move(planes[p]));
   return sorted;
 }
 

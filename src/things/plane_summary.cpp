@@ -132,8 +132,7 @@ findPlanes(const pcl::PointCloud<pcl::PointXYZRGBL>::ConstPtr& cloud, double vox
   const auto label = [&](std::size_t i) { return Label((*cloud)[i].label); };
   for (ExtractedPlane& plane : extraction.extract()) {
     plane.offset -= plane.normal.dot(origin);
-    found.planes.push_back(summarizePlane(
-        plane, position, label, 0.5 * extraction.getResolvedParameters().radius));
+    found.planes.push_back(summarizePlane(plane, position, label, 0.5 * plane.radius));
     found.planes.back().id = std::uint32_t(found.planes.size());
     for (const pcl::index_t i : plane.indices)
       found.numbers[std::size_t(i)] = found.planes.back().id;

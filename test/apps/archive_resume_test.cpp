@@ -52,7 +52,7 @@ std::string
 exportOf(const std::string& archive)
 {
   const std::string path = archive + ".pcd";
-  succeed("archive export " + archive + " " + path);
+  succeed("archive export " + archive + " " + path + " --planes " + path + ".json");
   return bytesOf(path);
 }
 

@@ -76,8 +76,11 @@ TEST_F(StreetArchive, InfoAndVerify)
 TEST_F(StreetArchive, ExportOfAllOfABoxAndOfClasses)
 {
   const std::string all = folder_->path("all.pcd");
-  EXPECT_TRUE(holds(succeed("archive export " + archive_ + " " + all), "voxels: "));
+  EXPECT_TRUE(holds(succeed("archive export " + archive_ + " " + all + " --planes " +
+                            folder_->path("all.json")),
+                    "voxels: "));
   EXPECT_TRUE(bytesOf(all) == bytesOf(output_ + "/map.pcd"));
+  succeed("archive export " + archive_ + " " + all); // without planes
   const PcdTable map = readPcd(all);
   const std::size_t size = std::size_t(map.point_step);
   const PcdColumn x(map, 0), y(map, 1), z(map, 2), label(map, map.find("label"));
@@ -101,7 +104,7 @@ TEST_F(StreetArchive, ExportOfAllOfABoxAndOfClasses)
   };
   const std::string box = " --box 6,-4,-2.5,12,3,1";
   EXPECT_TRUE(exported(box) == chosen(inBox));
-  succeed("cloud " + output_ + "/map.pcd " + folder_->path("cropped.pcd") +
+  succeed("cloud " + all + " " + folder_->path("cropped.pcd") +
           " --crop 6,-4,-2.5,12,3,1");
   const PcdTable cropped = readPcd(folder_->path("cropped.pcd"));
   EXPECT_TRUE(exported(box) == std::string(cropped.data.begin(), cropped.data.end()));

@@ -58,7 +58,7 @@ struct PackedPoint {
   std::uint32_t rgba, label;
   float probability[11];
   float entropy;
-  std::uint32_t observations, object;
+  std::uint32_t observations, object, plane;
 };
 
 std::vector<PackedPoint>
@@ -158,8 +158,8 @@ TEST(MapTool, WritesACompleteMap)
     EXPECT_GE(summary["seconds"][stage]["95 %"], summary["seconds"][stage]["median"]);
   }
   for (const char* const line :
-       {"\nFIELDS x y z rgba label probability entropy observations object\n",
-        "\nCOUNT 1 1 1 1 1 11 1 1 1\n"})
+       {"\nFIELDS x y z rgba label probability entropy observations object plane\n",
+        "\nCOUNT 1 1 1 1 1 11 1 1 1 1\n"})
     EXPECT_TRUE(holds(bytesOf(output + "/map.pcd"), line));
   expectClouds(output, summary["voxels"]);
   const Trajectory poses = readKittiTrajectory(output + "/trajectory.txt");

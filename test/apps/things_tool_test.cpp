@@ -78,9 +78,9 @@ TEST(ThingsTool, RefusesInOneLine)
   expectFails("things " + in + out + " --gap 0", 2, "gap of objects: 0 m");
   expectFails("things " + in + out + " --min-points 0", 2, "--min-points is 0");
   expectFails(
-      "things " + in + out + " --label-set " +
-          folder.write("set.yaml", "classes:\n  - {name: road, colour: [1, 2, 3]}\n"),
-      3, "no class of the label set is marked thing");
+      "things " + in + out + " --objects " + folder.path("o.json") + " --label-set " +
+          folder.write("set.yaml", replaceAll(bytesOf(kitti11), ", thing: true", "")),
+      3, "no class is marked thing, so there is no field object");
   expectFails("things " + in + out + " --label-set " +
                   folder.write("few.yaml", "classes:\n  - {name: car, colour: [1, 2, "
                                            "3], thing: true}\n"),
@@ -142,6 +142,11 @@ TEST(PlanesOfAMap, AreThoseOfItsCloudAndOfItsArchive)
           folder.path("e.json") + " --polygons " + folder.path("e.ply"));
   EXPECT_EQ(readJson(folder.path("e.json"))["planes"], planes);
   EXPECT_EQ(bytesOf(folder.path("e.ply")), bytesOf(map + "/planes.ply"));
+  EXPECT_EQ(bytesOf(folder.path("e.pcd")), bytesOf(map + "/map.pcd"));
+  const PcdTable of_map = readPcd(map + "/map.pcd");
+  const PcdColumn numbers(of_map, of_map.find("plane"));
+  for (std::size_t i = 0; i < of_map.width; ++i)
+    ASSERT_EQ(numbers(i), column(i)) << i;
   succeed(mapOf(tinyStreet()) + " --no-things --output " + folder.path("none"));
   EXPECT_FALSE(std::filesystem::exists(folder.path("none/planes.json")));
 }
@@ -157,6 +162,11 @@ TEST(ThingsOfAMap, NeedAClassMarkedThing)
   succeed(mapOf(tinyStreet()) + " --label-set " + set + " --output " +
           folder.path("map"));
   EXPECT_FALSE(std::filesystem::exists(folder.path("map/objects.json")));
+  const auto planes = readJson(folder.path("map/planes.json"))["planes"];
+  EXPECT_GT(planes.size(), 0u);
+  succeed("things " + folder.path("map/map.pcd") + " " + folder.path("t.pcd") +
+          " --planes " + folder.path("t.json") + " --label-set " + set);
+  EXPECT_EQ(readJson(folder.path("t.json"))["planes"], planes);
 }
 
 } // namespace pcl_semantic

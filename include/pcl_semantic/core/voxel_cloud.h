@@ -30,6 +30,8 @@ struct VoxelCloud {
   std::vector<std::uint32_t> observations; ///< scans that hit the voxel
   std::vector<std::uint32_t> objects;      ///< number of the voxel's object, 0 = none;
                                            ///< empty: unknown
+  std::vector<std::uint32_t> planes;       ///< number of the voxel's plane, 0 = none;
+                                           ///< empty: unknown
   double voxel_size = 0.0;                 ///< edge of a voxel [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]
 

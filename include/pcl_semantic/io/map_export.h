@@ -43,14 +43,19 @@ VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection)
 std::vector<ObjectSummary> describeObjects(const MapReader& archive,
                                            const VoxelSelection& selection = {});
 
-/** \brief Writes occupied voxels as writeVoxelCloud() does; for the whole map the files
- * are identical. Memory: one block and the objects. Reads the archive twice.
+/** \brief Writes occupied voxels as writeVoxelCloud() does; for the whole map, with its
+ * planes, the files are identical. Memory: one block and the objects. Reads the
+ * archive twice.
+ *
+ * \param[in] planes of the selected voxels, in the order of readVoxels(); null = no
+ * field `plane`
  * \return number of voxels
  * \throws BadInputException if the archive is damaged
  * \throws OutputException if the file cannot be written */
 std::size_t exportVoxels(const MapReader& archive, const VoxelSelection& selection,
                          const std::string& path,
                          VoxelColour colour = VoxelColour::measured,
-                         const BlockProgress& progress = nullptr);
+                         const BlockProgress& progress = nullptr,
+                         const std::vector<std::uint32_t>* planes = nullptr);
 
 } // namespace pcl_semantic

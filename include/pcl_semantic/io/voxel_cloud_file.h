@@ -23,14 +23,19 @@ enum class VoxelColour {
  * be in memory. */
 class VoxelCloudWriter {
 public:
+  /** \brief Optional fields. */
+  struct Fields {
+    bool object = false; ///< VoxelCloud::objects
+    bool plane = false;  ///< VoxelCloud::planes
+  };
+
   /** \param[in] count total number of voxels
    * \param[in] voxel_size [m]
    * \param[in] origin of their points, world frame [m]
-   * \param[in] has_objects whether to write the field `object`
    * \throws OutputException if the file cannot be written */
   VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                    VoxelColour colour, std::size_t count, double voxel_size,
-                   const Eigen::Vector3d& origin, bool has_objects = false);
+                   const Eigen::Vector3d& origin, Fields fields);
 
   /** \param[in] is_written selects voxels; empty = all */
   void write(const VoxelCloud& voxels, const std::vector<bool>& is_written = {});
@@ -45,17 +50,17 @@ private:
   LabelSet label_set_;
   VoxelColour colour_;
   std::size_t missing_;
-  bool has_objects_;
+  Fields fields_;
   std::vector<std::uint8_t> row_;
 };
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
- * observations, and object if VoxelCloud::objects is set. Without measured colour there
- * is no rgba. The comment `# voxel_grid
- * SIZE X Y Z` in the header gives the edge of a voxel and the lower corner of voxel 0
- * [m]: floor((point - corner) / size) is the index of a point's voxel.
- * \throws OutputException if the file cannot be written */
+ * observations, and object and plane if VoxelCloud::objects and planes are set. Without
+ * measured colour there is no rgba. The comment `# voxel_grid SIZE X Y Z` in the header
+ * gives the edge of a voxel and the lower corner of voxel 0 [m]: floor((point - corner)
+ * / size) is the index of a point's voxel. \throws OutputException if the file cannot
+ * be written */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);
 

@@ -29,6 +29,7 @@ struct MappingRun {
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   LabelSet label_set;
   MapperConfig config;
+  bool finds_planes = false; ///< of the finished map; the map does not depend on it
 
   bool
   contains(int frame) const

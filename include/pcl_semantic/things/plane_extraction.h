@@ -17,13 +17,14 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct ExtractedPlane {
   Eigen::Vector3d normal; ///< length 1; its largest component is positive
   double offset = 0.0;    ///< normal . p + offset = 0 [m]
+  double radius = 0.0;    ///< of the search that found it [m]
   pcl::Indices indices;   ///< of its points, ascending
 };
 
 /** \brief Parameters of PlaneExtraction. Values of 0 are automatic: resolved(). */
 struct PlaneParameters {
-  /// Of the surroundings of a point, for its normal [m]. 0 = three times the spacing of
-  /// the points, at least 0.15 m.
+  /// Of the surroundings of a point, for its normal, in the first search [m]. 0 = three
+  /// times the spacing of the points, at least 0.15 m.
   double radius = 0.0;
   double angle = 0.0;    ///< maximum angle between the normals of a plane [rad]
   double distance = 0.0; ///< maximum distance of a point that joins a plane [m]
@@ -56,7 +57,8 @@ public:
     return parameters_;
   }
 
-  /** \brief The parameters of the last extraction, without automatic values. */
+  /** \brief The parameters of the last extraction, without automatic values; those of
+   * its first search. */
   const PlaneParameters&
   getResolvedParameters() const
   {
@@ -84,9 +86,11 @@ private:
  * grows from the flattest cube over neighbouring cubes whose normal and mean fit, and
  * is fitted again until it stops growing. Coplanar parts with small gaps are merged.
  * Each point joins the nearest plane that passes within the distance and has a cube
- * within the radius. The result depends neither on the order of the points nor on the
- * number of threads.
- * \tparam PointT has x, y, z [m] */
+ * within the radius. Points neither in a plane nor next to one are searched once more
+ * with twice the radius, because the noise of distant points may be wider than the
+ * radius; planes found then join coplanar ones of the first search. The result depends
+ * neither on the order of the points nor on the number of threads. \tparam PointT has
+ * x, y, z [m] */
 template <typename PointT>
 class PlaneExtraction : public pcl::PCLBase<PointT>, public PlaneExtractionBase {
 public:
