@@ -25,7 +25,7 @@ struct Confusion {
   double weight; ///< probability: shifts the threshold of its noise
 };
 
-constexpr std::array<Confusion, 16> kConfusions{{
+constexpr std::array<Confusion, 16> kStreetConfusions{{
     {synthetic_sidewalk, synthetic_road, 0.34},
     {synthetic_sidewalk, synthetic_vegetation, 0.05},
     {synthetic_road, synthetic_sidewalk, 0.10},
@@ -44,18 +44,50 @@ constexpr std::array<Confusion, 16> kConfusions{{
     {synthetic_sky, synthetic_building, -0.12},
 }};
 
+constexpr std::array<Confusion, 26> kRoomConfusions{{
+    {room_bed, room_sofa, 0.10},          {room_bed, room_objects, -0.05},
+    {room_books, room_objects, 0.12},     {room_books, room_furniture, 0.05},
+    {room_ceiling, room_wall, -0.02},     {room_chair, room_table, 0.08},
+    {room_chair, room_furniture, 0.05},   {room_floor, room_furniture, -0.04},
+    {room_floor, room_objects, -0.08},    {room_furniture, room_table, 0.05},
+    {room_furniture, room_wall, 0.00},    {room_furniture, room_bed, -0.05},
+    {room_objects, room_furniture, 0.10}, {room_objects, room_books, 0.02},
+    {room_picture, room_wall, 0.12},      {room_picture, room_window, 0.02},
+    {room_sofa, room_bed, 0.10},          {room_sofa, room_chair, 0.05},
+    {room_table, room_furniture, 0.10},   {room_table, room_chair, 0.00},
+    {room_tv, room_window, 0.05},         {room_tv, room_picture, 0.02},
+    {room_wall, room_furniture, -0.02},   {room_wall, room_window, -0.05},
+    {room_window, room_wall, 0.08},       {room_window, room_picture, 0.00},
+}};
+
+/** \brief Input of the simulated network, and its typical mistakes. */
+struct Seen {
+  int frame = 0;
+  cv::Mat image;  ///< CV_8UC3 (BGR)
+  cv::Mat labels; ///< CV_8UC1, true labels
+  cv::Mat depth;  ///< CV_64FC1 [m], 0 = sky
+  StereoCamera camera;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  int classes = 0;
+  const Confusion* begin = nullptr; ///< typical mistakes
+  const Confusion* end = nullptr;
+  double fixed_scale = 1.0; ///< of the mistakes that are fixed in the world [1/m]
+  double far = 1.0;         ///< depth at which labels are worst [m]
+  double slope = 1.0;       ///< of the mistakes' ease with the noise
+};
+
 /** \brief Properties of a pixel that affect its mistakes. */
 struct Position {
   Vector3d image;      ///< column, row [units of image width / 100], 0
   Vector3d world;      ///< [m]
   double dark = 0.0;   ///< 0 lit, 1 dark
   double border = 0.0; ///< 1 near another class
-  double far = 0.0;    ///< 0 near, 1 beyond 40 m
+  double far = 0.0;    ///< 0 near, 1 beyond Seen::far
 };
 
 class NoisyLabels {
 public:
-  NoisyLabels(const SyntheticView& view, std::uint32_t seed, double noise)
+  NoisyLabels(const Seen& view, std::uint32_t seed, double noise)
       : view_(view), seed_(synthetic::hash(seed, 0x1abe1)),
         frame_seed_(synthetic::hash(seed, 0x1abe1, view.frame + 1)), noise_(noise),
         unit_(view.labels.cols / 100.0)
@@ -107,15 +139,14 @@ private:
   {
     Position position;
     position.image = imagePosition(u, v);
-    const double disparity = view_.disparity.at<float>(v, u);
-    if (disparity > 0.0) {
-      const double depth = view_.camera.depth(disparity);
+    const double depth = view_.depth.at<double>(v, u);
+    if (depth > 0.0) {
       position.world = view_.T_world_camera * view_.camera.unproject(u, v, depth);
-      position.far = std::min(1.0, depth / 40.0);
+      position.far = std::min(1.0, depth / view_.far);
     }
     else
       position.world = position.image;
-    const cv::Vec3b& pixel = view_.left.at<cv::Vec3b>(v, u);
+    const cv::Vec3b& pixel = view_.image.at<cv::Vec3b>(v, u);
     position.dark =
         std::clamp(1.5 - (pixel[0] + pixel[1] + pixel[2]) / 160.0, 0.0, 1.0);
     for (int k = 0; k < 8; ++k) {
@@ -133,16 +164,16 @@ private:
     if (noise_ == 0.0)
       return label;
     const Position position = positionOf(u, v, label);
-    for (std::size_t k = 0; k < kConfusions.size(); ++k) {
-      const Confusion& confusion = kConfusions[k];
+    for (int k = 0; k < view_.end - view_.begin; ++k) {
+      const Confusion& confusion = view_.begin[k];
       if (confusion.truth != label)
         continue;
       const std::uint32_t number = static_cast<std::uint32_t>(100 * (k + 1));
       const double blob =
           0.75 * fractalNoise(position.image, 6.0, frame_seed_ + number) +
           0.35 * (1.0 - 0.6 * position.far) *
-              valueNoise(position.world * 0.6, seed_ + number);
-      const double ease = 0.75 * (noise_ - 1.0) + confusion.weight +
+              valueNoise(position.world * view_.fixed_scale, seed_ + number);
+      const double ease = view_.slope * (noise_ - 1.0) + confusion.weight +
                           0.12 * position.dark + 0.14 * position.border +
                           0.12 * position.far;
       if (blob + ease > 0.22)
@@ -151,7 +182,7 @@ private:
     return label;
   }
 
-  const SyntheticView& view_;
+  const Seen& view_;
   std::uint32_t seed_;
   std::uint32_t frame_seed_;
   double noise_;
@@ -180,13 +211,13 @@ blurAlong(int du, int dv, const cv::Mat& plane, cv::Mat& blurred)
 
 /** \brief Distributions of certain labels, softened at borders. */
 LabelDistributions
-softened(const cv::Mat& labels, bool soft)
+softened(const cv::Mat& labels, int classes, bool soft)
 {
   const Eigen::Index count = static_cast<Eigen::Index>(labels.total());
-  LabelDistributions result(synthetic_classes, count);
+  LabelDistributions result(classes, count);
   cv::Mat plane(labels.size(), CV_32FC1);
   cv::Mat across(labels.size(), CV_32FC1);
-  for (int k = 0; k < synthetic_classes; ++k) {
+  for (int k = 0; k < classes; ++k) {
     for (Eigen::Index i = 0; i < count; ++i)
       plane.ptr<float>()[i] = labels.ptr<Label>()[i] == k + 1 ? 1.0f : 0.0f;
     if (soft) {
@@ -203,18 +234,39 @@ softened(const cv::Mat& labels, bool soft)
  * the label.
  * \param[in] doubt fraction of the probability to move */
 void
-spread(float* column, Label label, float doubt)
+spread(const Seen& view, float* column, Label label, float doubt)
 {
   float total = 0.0f;
-  std::array<float, synthetic_classes> others;
+  std::array<float, std::max(int(synthetic_classes), int(room_classes))> others;
   others.fill(0.15f);
-  for (const Confusion& confusion : kConfusions)
-    if (confusion.truth == label)
-      others[confusion.taken_for - 1] += 1.0f;
-  for (const float other : others)
-    total += other;
-  for (int k = 0; k < synthetic_classes; ++k)
+  for (const Confusion* confusion = view.begin; confusion != view.end; ++confusion)
+    if (confusion->truth == label)
+      others[confusion->taken_for - 1] += 1.0f;
+  for (int k = 0; k < view.classes; ++k)
+    total += others[k];
+  for (int k = 0; k < view.classes; ++k)
     column[k] = (1.0f - doubt) * column[k] + doubt * others[k] / total;
+}
+
+LabelDistributions
+distributionsOf(const Seen& view, std::uint32_t seed, double label_noise)
+{
+  if (!(label_noise >= 0.0 && label_noise <= 1.0))
+    fail<InvalidParameterException>("label noise ", label_noise, ", expected 0 to 1");
+  const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
+  const int width = labels.cols;
+  LabelDistributions result = softened(labels, view.classes, label_noise > 0.0);
+  const std::uint32_t doubt_seed = synthetic::hash(seed, 0xd0b7, view.frame);
+#pragma omp parallel for
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    const Vector3d position(100.0 * (i % width) / width, 100.0 * (i / width) / width,
+                            0.0);
+    const double unsure = 0.5 + 0.5 * valueNoise(position / 5.0, doubt_seed);
+    spread(view, result.column(i), labels.ptr<Label>()[i],
+           static_cast<float>(0.04 + 0.5 * label_noise * unsure));
+  }
+  result.normalize();
+  return result;
 }
 
 } // namespace
@@ -223,22 +275,26 @@ LabelDistributions
 syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                        double label_noise)
 {
-  if (!(label_noise >= 0.0 && label_noise <= 1.0))
-    fail<InvalidParameterException>("label noise ", label_noise, ", expected 0 to 1");
-  const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
-  const int width = labels.cols;
-  LabelDistributions result = softened(labels, label_noise > 0.0);
-  const std::uint32_t doubt_seed = synthetic::hash(seed, 0xd0b7, view.frame);
-#pragma omp parallel for
-  for (Eigen::Index i = 0; i < result.size(); ++i) {
-    const Vector3d position(100.0 * (i % width) / width, 100.0 * (i / width) / width,
-                            0.0);
-    const double unsure = 0.5 + 0.5 * valueNoise(position / 5.0, doubt_seed);
-    spread(result.column(i), labels.ptr<Label>()[i],
-           static_cast<float>(0.04 + 0.5 * label_noise * unsure));
-  }
-  result.normalize();
-  return result;
+  cv::Mat depth(view.disparity.size(), CV_64FC1, cv::Scalar(0.0));
+  for (std::size_t i = 0; i < depth.total(); ++i)
+    if (const float disparity = view.disparity.ptr<float>()[i]; disparity > 0.0f)
+      depth.ptr<double>()[i] = view.camera.depth(disparity);
+  return distributionsOf({view.frame, view.left, view.labels, depth, view.camera,
+                          view.T_world_camera, synthetic_classes,
+                          kStreetConfusions.begin(), kStreetConfusions.end(), 0.6, 40.0,
+                          0.75},
+                         seed, label_noise);
+}
+
+LabelDistributions
+syntheticDistributions(const RoomView& view, std::uint32_t seed, double label_noise)
+{
+  cv::Mat depth;
+  view.depth.convertTo(depth, CV_64FC1);
+  return distributionsOf({view.frame, view.colour, view.labels, depth, view.camera,
+                          view.T_world_camera, room_classes, kRoomConfusions.begin(),
+                          kRoomConfusions.end(), 2.0, 6.0, 0.35},
+                         seed, label_noise);
 }
 
 } // namespace pcl_semantic

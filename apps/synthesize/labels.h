@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer.h"
+#include "room_renderer.h"
 
 #include <pcl_semantic/core/label_distributions.h>
 
@@ -22,6 +23,10 @@ constexpr double kSyntheticLabelNoise = 0.5;
  * \return 11 x (width * height), pixels row by row
  * \throws InvalidParameterException unless 0 <= label_noise <= 1 */
 LabelDistributions syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
+                                          double label_noise = kSyntheticLabelNoise);
+
+/** \brief The same for a room: 13 x (width * height). */
+LabelDistributions syntheticDistributions(const RoomView& view, std::uint32_t seed,
                                           double label_noise = kSyntheticLabelNoise);
 
 } // namespace pcl_semantic

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "materials.h"
 
-#include "noise.h"
+#include "street.h"
 
 #include <algorithm>
 #include <array>

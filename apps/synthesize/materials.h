@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "street.h"
+#include "surface.h"
 
 #include <Eigen/Core>
 

@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 #include "materials.h"
+#include "ray_image.h"
 
 #include <opencv2/core.hpp>
 
@@ -16,17 +17,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using synthetic::Ray;
+using synthetic::Sample;
 using synthetic::Street;
 using synthetic::Surface;
-
-/** \brief Result of the ray of a pixel. */
-struct Sample {
-  Vector3f light = Vector3f::Zero(); ///< red, green, blue, linear
-  double depth = 0.0;                ///< along the optical axis [m], 0 = sky
-  std::uint32_t id = 0;              ///< solid, 0 = ground, 1 = sky
-  Label label = synthetic_sky;
-  int object = 0; ///< car or pedestrian, 0 = none
-};
 
 /** \brief One camera looking at the street. */
 class Eye {
@@ -51,6 +44,7 @@ public:
     Sample sample;
     if (!street_.nearest(ray, surface)) {
       sample.id = 1;
+      sample.label = synthetic_sky;
       sample.light = synthetic::skyColour(ray.direction.normalized(), street_.seed());
       return sample;
     }
@@ -87,70 +81,6 @@ private:
   Eigen::Isometry3d pose_;
   Vector3d to_sun_;
 };
-
-/** \brief Whether two samples differ so much that a pixel needs more rays. */
-bool
-differ(const Sample& a, const Sample& b)
-{
-  return a.id != b.id || (a.light - b.light).cwiseAbs().maxCoeff() > 0.15f;
-}
-
-/** \brief Mean of four more rays for a pixel on an edge, so that poles and window
- * frames are not jagged. */
-Vector3f
-smoothed(const Eye& eye, const std::vector<Sample>& samples, int width, int u, int v)
-{
-  const int index = v * width + u;
-  const int height = static_cast<int>(samples.size()) / width;
-  const Sample& centre = samples[index];
-  const bool edge = (u > 0 && differ(centre, samples[index - 1])) ||
-                    (u + 1 < width && differ(centre, samples[index + 1])) ||
-                    (v > 0 && differ(centre, samples[index - width])) ||
-                    (v + 1 < height && differ(centre, samples[index + width]));
-  if (!edge)
-    return centre.light;
-  Vector3f sum = eye.look(u - 0.375, v - 0.125).light;
-  sum += eye.look(u + 0.125, v - 0.375).light;
-  sum += eye.look(u - 0.125, v + 0.375).light;
-  sum += eye.look(u + 0.375, v + 0.125).light;
-  return 0.25f * sum;
-}
-
-/** \brief Exposure, display curve and sensor noise. */
-cv::Vec3b
-toPixel(const Vector3f& light, std::uint32_t noise)
-{
-  cv::Vec3b pixel;
-  for (int channel = 0; channel < 3; ++channel) {
-    const float value = 255.0f * std::sqrt(std::max(light[2 - channel], 0.0f));
-    const float jitter =
-        static_cast<float>(noise >> (8 * channel) & 0xff) / 85.0f - 1.5f;
-    pixel[channel] = cv::saturate_cast<std::uint8_t>(value + jitter);
-  }
-  return pixel;
-}
-
-/** \brief Renders the image of one camera. \param[in] noise_seed of the sensor noise */
-cv::Mat
-renderEye(const Eye& eye, int width, int height, std::uint32_t noise_seed,
-          std::vector<Sample>& samples)
-{
-  samples.resize(static_cast<std::size_t>(width) * height);
-  cv::Mat image(height, width, CV_8UC3);
-#pragma omp parallel
-  {
-#pragma omp for schedule(dynamic, 4)
-    for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u)
-        samples[static_cast<std::size_t>(v) * width + u] = eye.look(u, v);
-#pragma omp for schedule(dynamic, 4)
-    for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u)
-        image.at<cv::Vec3b>(v, u) = toPixel(smoothed(eye, samples, width, u, v),
-                                            synthetic::hash(u, v, noise_seed));
-  }
-  return image;
-}
 
 } // namespace
 
@@ -190,10 +120,14 @@ SyntheticRenderer::render(int frame, const Eigen::Isometry3d& T_world_camera) co
   const std::uint32_t noise = synthetic::hash(scene_.seed(), frame, 0xca3);
   std::vector<Sample> samples;
   const Street street = scene_.street(frame);
-  view.right = renderEye(Eye(street, camera_, right_pose), camera_.width,
-                         camera_.height, noise + 1, samples);
-  view.left = renderEye(Eye(street, camera_, view.T_world_camera), camera_.width,
-                        camera_.height, noise, samples);
+  const auto image = [&](const Eigen::Isometry3d& pose, std::uint32_t noise_seed) {
+    const Eye eye(street, camera_, pose);
+    const auto look = [&eye](double u, double v) { return eye.look(u, v); };
+    return synthetic::renderRays(look, camera_.width, camera_.height, noise_seed,
+                                 samples);
+  };
+  view.right = image(right_pose, noise + 1);
+  view.left = image(view.T_world_camera, noise); // its samples last: they are the truth
   view.disparity.create(camera_.height, camera_.width, CV_32FC1);
   view.labels.create(camera_.height, camera_.width, CV_8UC1);
   view.objects.create(camera_.height, camera_.width, CV_32SC1);

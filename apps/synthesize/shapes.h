@@ -26,7 +26,7 @@ enum class Material : std::uint8_t {
   tyre,
   metal,
   sign,
-  cloth
+  cloth ///< its colour, with a fine grain
 };
 
 /** \brief Form of a primitive. */

@@ -173,21 +173,6 @@ Street::nearest(const Ray& ray, Surface& surface) const
   return ground || surface.solid;
 }
 
-void
-Street::nearestSolid(const BoxTree& solids, const Ray& ray, Surface& surface) const
-{
-  const Primitive* solid = solids.nearest(ray, surface.distance, surface.local_normal);
-  if (!solid)
-    return;
-  surface.solid = solid;
-  surface.label = solid->label;
-  surface.material = solid->material;
-  surface.id = solid->id;
-  surface.point = ray.origin + surface.distance * ray.direction;
-  surface.local = solid->toLocal(surface.point - solid->centre);
-  surface.normal = solid->toWorld(surface.local_normal);
-}
-
 bool
 Street::nearestGround(const Ray& ray, Surface& surface) const
 {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "noise.h"
-#include "shapes.h"
+#include "surface.h"
 
 #include <memory>
 #include <vector>
@@ -30,13 +30,6 @@ struct DrivingCar;
 } // namespace pcl_semantic
 
 namespace pcl_semantic::synthetic {
-
-/** \brief A position along the street: \a s along the centre line, \a t to its left
- * [m]. */
-struct RoadPoint {
-  double s = 0.0;
-  double t = 0.0;
-};
 
 /** \brief The centre line of the road: straight sections and arcs that turn alternately
  * left and right, so that it never crosses itself. */
@@ -79,20 +72,6 @@ private:
   RoadPoint locateOn(const Piece& piece, const Eigen::Vector2d& position) const;
 
   std::vector<Piece> pieces_;
-};
-
-/** \brief First surface along a ray, with all values for shading. */
-struct Surface {
-  double distance = 0.0; ///< in multiples of the ray's direction
-  Label label = kUnlabelled;
-  Material material = Material::grass;
-  std::uint32_t id = 0;             ///< primitive; 0 is the ground
-  Eigen::Vector3d point;            ///< world frame [m]
-  Eigen::Vector3d normal;           ///< world frame, length 1
-  Eigen::Vector3d local;            ///< point in the primitive's axes
-  Eigen::Vector3d local_normal;     ///< normal in the primitive's axes
-  const Primitive* solid = nullptr; ///< null for the ground
-  RoadPoint road;                   ///< ground only
 };
 
 /** \brief Geometry of the street in one frame: the ground along the road line, and all
@@ -149,8 +128,6 @@ public:
   }
 
 private:
-  void nearestSolid(const BoxTree& solids, const Ray& ray, Surface& surface) const;
-
   bool nearestGround(const Ray& ray, Surface& surface) const;
 
   void hitKerb(const Ray& ray, double above, double below, Surface& surface) const;

@@ -2,6 +2,7 @@
 #include "image_tool.h"
 #include "labels.h"
 #include "messages.h"
+#include "room_writer.h"
 #include "tool.h"
 #include "writer.h"
 
@@ -18,39 +19,59 @@ namespace {
 
 const Usage usage{
     "pcl_semantic_synthesize",
-    "OUT [--frames N] [--size WxH] [--seed S] [--traffic N] [options]",
+    "OUT [--scene street|room] [--frames N] [--size WxH] [options]",
     R"(Renders a procedural street into a folder laid out like a sequence of KITTI's
-odometry benchmark, with true disparity, true labels and label distributions as
-a network would give them.)",
+odometry benchmark, or a furnished room as an RGB-D sequence, with exact poses,
+true labels and label distributions as a network would give them.)",
     "pcl_semantic_synthesize /tmp/street --seed 7"};
 
 struct Options {
   std::string output;
+  std::string scene = "street";
   int frames = 40;
-  std::string size = "620x188";
+  std::string size;
   std::string seed = "1";
   int traffic = 0;
   double label_noise = kSyntheticLabelNoise;
+  double depth_noise = 1.0;
 };
 
 Options
 parse(int argc, char** argv)
 {
   Options options;
-  parseCommandLine(
+  const auto given = parseCommandLine(
       argc, argv, usage,
       {{"output", required(options.output),
         "output folder, also as the first argument"},
-       {"frames", withDefault(options.frames), "number of frames, 0.85 m apart"},
-       {"size", withDefault(options.size), "size of the images, WIDTHxHEIGHT [px]"},
+       {"scene", withDefault(options.scene),
+        "street (a stereo pair drives) or room (an RGB-D camera makes one turn)"},
+       {"frames", withDefault(options.frames),
+        "number of frames: 0.85 m apart in a street, equal parts of the turn in a "
+        "room"},
+       {"size", options.size,
+        "size of the images, WIDTHxHEIGHT [px] (default: 620x188, room: 320x240)"},
        {"seed", withDefault(options.seed),
-        "random seed of the street; equal seeds give equal bytes"},
+        "random seed of the scene; equal seeds give equal bytes"},
        {"traffic", withDefault(options.traffic),
-        "number of driving cars, alternately ahead of the camera in its lane and "
-        "oncoming"},
+        "number of driving cars in a street, alternately ahead of the camera in its "
+        "lane and oncoming"},
        {"label-noise", withDefault(options.label_noise),
-        "fraction of wrong labels, 0 (nearly perfect) to 1"}},
+        "fraction of wrong labels, 0 (nearly perfect) to 1"},
+       {"depth-noise", withDefault(options.depth_noise),
+        "noise of the depths in a room, in multiples of a Kinect's; 0 = exact"}},
       {"output"});
+  const bool room = options.scene == "room";
+  if (!room && options.scene != "street")
+    fail<InvalidParameterException>("--scene is '", options.scene,
+                                    "', expected street or room");
+  for (const auto& [option, scene] :
+       {std::pair("traffic", "street"), std::pair("depth-noise", "room")})
+    if (options.scene != scene && !given[option].defaulted())
+      fail<InvalidParameterException>("--", option, " is of a ", scene,
+                                      ", but the scene is a ", options.scene);
+  if (options.size.empty())
+    options.size = room ? "320x240" : "620x188";
   return options;
 }
 
@@ -79,6 +100,56 @@ parseSeed(const std::string& text)
   return static_cast<std::uint32_t>(seed);
 }
 
+/** \brief Refuses a folder with more frames, which would be read as this sequence's,
+ * and one of the other scene, which shares some files. */
+void
+checkFolder(const Options& options)
+{
+  const bool is_room = options.scene == "room";
+  const std::string longer = options.output + (is_room ? "/rgb/" : "/image_2/") +
+                             frameFileName(options.frames, ".png");
+  const std::string other = options.output + (is_room ? "/image_2" : "/rgb");
+  std::error_code error; // a later write reports the error
+  if (std::filesystem::exists(longer, error))
+    fail<InvalidParameterException>(longer,
+                                    ": is of a longer sequence, expected a new folder");
+  if (std::filesystem::exists(other, error))
+    fail<InvalidParameterException>(other,
+                                    ": is of another scene, expected a new folder");
+}
+
+void
+synthesizeStreet(const Options& options, const cv::Size& size, std::uint32_t seed)
+{
+  const SyntheticScene scene(seed, options.frames, makeTraffic(options.traffic));
+  const SyntheticRenderer renderer(scene, size.width, size.height);
+  checkFolder(options);
+  const SyntheticWriter writer(options.output);
+  forEachStep("rendering", std::size_t(options.frames), [&](std::size_t frame) {
+    const SyntheticView view = renderer.render(int(frame));
+    writer.writeFrame(view, syntheticDistributions(view, seed, options.label_noise));
+  });
+  writer.writeSequence(scene, renderer.camera());
+}
+
+void
+synthesizeRoom(const Options& options, const cv::Size& size, std::uint32_t seed)
+{
+  if (!(options.depth_noise >= 0.0 && options.depth_noise <= 100.0))
+    fail<InvalidParameterException>("--depth-noise ", options.depth_noise,
+                                    ": expected 0 to 100");
+  const SyntheticRoom room(seed, options.frames);
+  const RoomRenderer renderer(room, size.width, size.height);
+  checkFolder(options);
+  const RoomWriter writer(options.output);
+  forEachStep("rendering", std::size_t(options.frames), [&](std::size_t frame) {
+    const RoomView view = renderer.render(int(frame));
+    writer.writeFrame(view, measuredDepth(view, seed, options.depth_noise),
+                      syntheticDistributions(view, seed, options.label_noise));
+  });
+  writer.writeSequence(room, renderer.camera());
+}
+
 int
 synthesize(const Options& options)
 {
@@ -87,20 +158,10 @@ synthesize(const Options& options)
                                     ": expected 0 to 1");
   const cv::Size size = parseSize(options.size);
   const std::uint32_t seed = parseSeed(options.seed);
-  const SyntheticScene scene(seed, options.frames, makeTraffic(options.traffic));
-  const SyntheticRenderer renderer(scene, size.width, size.height);
-  const std::string longer =
-      options.output + "/image_2/" + frameFileName(options.frames, ".png");
-  std::error_code error; // a later write reports the error
-  if (std::filesystem::exists(longer, error))
-    fail<InvalidParameterException>(longer,
-                                    ": is of a longer sequence, expected a new folder");
-  const SyntheticWriter writer(options.output);
-  forEachStep("rendering", std::size_t(options.frames), [&](std::size_t frame) {
-    const SyntheticView view = renderer.render(int(frame));
-    writer.writeFrame(view, syntheticDistributions(view, seed, options.label_noise));
-  });
-  writer.writeSequence(scene, renderer.camera());
+  if (options.scene == "room")
+    synthesizeRoom(options, size, seed);
+  else
+    synthesizeStreet(options, size, seed);
   printResults({{"frames", std::size_t(options.frames)},
                 {"width", std::size_t(size.width)},
                 {"height", std::size_t(size.height)},

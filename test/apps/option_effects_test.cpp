@@ -141,6 +141,7 @@ const std::vector<Mode> modes = {
     {"--intrinsics", "rgbd IN/street/rgbd OUT/clouds --intrinsics 120,120,104,32"},
     {"stereo", "stereo IN/street/image_2 IN/street/image_3 IN/street/calib.txt "
                "OUT/clouds"},
+    {"a room", "synthesize OUT/room --scene room --frames 1 --size 104x78"},
     {"synthesize", "synthesize OUT/street --frames 1 --size 208x64"},
 };
 
@@ -215,6 +216,8 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"frames", {{"1:2"}}},
     {"odometry frames", {{"0:2"}}},
     {"synthesize frames", {{"2"}}},
+    {"scene", {{"room"}, {"street"}}},
+    {"depth-noise", {{"0"}}},
     {"from", {{"0,0,4"}}},
     {"ground", {{"road"}}},
     {"ground-reach", {{"0.4"}}},
