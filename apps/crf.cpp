@@ -349,5 +349,8 @@ refine(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return runWithImages(usage.name, [&] { return refine(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] {
+    keepFreedMemory();
+    return refine(parse(argc, argv));
+  });
 }

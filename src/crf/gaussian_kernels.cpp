@@ -52,6 +52,30 @@ validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
     requirePositive(deviation, "position deviation");
 }
 
+std::vector<KernelMethod>
+methodsFor(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
+           const GaussianKernelOptions& options)
+{
+  validate(positions, deviations, options);
+  const Eigen::Matrix3Xf points = inSpace(positions);
+  std::vector<KernelMethod> methods;
+  for (std::size_t m = 0; m < deviations.size(); ++m) {
+    const float deviation = deviations[m];
+    KernelMethod method = options.method;
+    if (method == KernelMethod::automatic && m > 0 && deviation == deviations[m - 1])
+      method = methods[m - 1];
+    else if (method == KernelMethod::automatic)
+      method =
+          TruncatedKernel::canHold(points, deviation) &&
+                  GaussianKernels::meanNeighbours(points, options.radius * deviation) <=
+                      GaussianKernels::max_neighbours
+              ? KernelMethod::truncated
+              : KernelMethod::lattice;
+    methods.push_back(method);
+  }
+  return methods;
+}
+
 } // namespace
 
 void
@@ -64,39 +88,57 @@ GaussianTerm::validate(Eigen::Index points) const
   requireFinite(features, "a feature is not finite");
 }
 
+GaussianKernels::Choice
+GaussianKernels::choose(const Eigen::MatrixXf& positions,
+                        const std::vector<GaussianTerm>& terms,
+                        const GaussianKernelOptions& options)
+{
+  std::vector<float> deviations;
+  for (const GaussianTerm& term : terms)
+    deviations.push_back(term.position_deviation);
+  Choice choice;
+  choice.methods = methodsFor(positions, deviations, options);
+  for (const GaussianTerm& term : terms) {
+    Eigen::VectorXf lows(positions.rows() + term.features.rows());
+    if (positions.cols() > 0)
+      lows.head(positions.rows()) =
+          (positions / term.position_deviation).rowwise().minCoeff();
+    if (term.features.size() > 0)
+      lows.tail(term.features.rows()) = term.features.rowwise().minCoeff();
+    choice.lows.push_back(std::move(lows));
+  }
+  return choice;
+}
+
 GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
                                  const std::vector<float>& deviations,
                                  const GaussianKernelOptions& options)
-    : options_(options)
+    : GaussianKernels(positions, deviations, options,
+                      Choice{methodsFor(positions, deviations, options), {}})
+{}
+
+GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
+                                 const std::vector<float>& deviations,
+                                 const GaussianKernelOptions& options, Choice choice)
+    : options_(options), choice_(std::move(choice))
 {
-  validate(positions, deviations, options);
-  const Eigen::Matrix3Xf points = inSpace(positions);
+  if (choice_.methods.size() != deviations.size())
+    badParameter(choice_.methods.size(), " methods of kernels, expected ",
+                 deviations.size());
   float widest = 0.0f; // of the truncated terms
-  for (std::size_t m = 0; m < deviations.size(); ++m) {
-    const float deviation = deviations[m];
-    KernelMethod method = options.method;
-    if (method == KernelMethod::automatic && m > 0 && deviation == deviations[m - 1])
-      method = methods_[m - 1];
-    else if (method == KernelMethod::automatic)
-      method =
-          TruncatedKernel::canHold(points, deviation) &&
-                  meanNeighbours(points, options.radius * deviation) <= max_neighbours
-              ? KernelMethod::truncated
-              : KernelMethod::lattice;
-    methods_.push_back(method);
-    if (method == KernelMethod::truncated)
-      widest = std::max(widest, deviation);
-  }
+  for (std::size_t m = 0; m < deviations.size(); ++m)
+    if (choice_.methods[m] == KernelMethod::truncated)
+      widest = std::max(widest, deviations[m]);
   if (widest > 0.0f)
-    order_ = TruncatedKernel::fastestOrder(points, options.radius, widest);
+    order_ = TruncatedKernel::fastestOrder(inSpace(positions), options.radius, widest);
 }
 
 GaussianKernels::List
 GaussianKernels::make(const Eigen::MatrixXf& positions,
                       const std::vector<GaussianTerm>& terms) const
 {
-  if (terms.size() != methods_.size())
-    badParameter(terms.size(), " terms, expected ", methods_.size());
+  if (terms.size() != choice_.methods.size())
+    badParameter(terms.size(), " terms, expected ", choice_.methods.size());
   List kernels;
   // Grouped by deviation, because a kernel is widened to compensate its radius.
   std::map<float, std::vector<GaussianTerm>> truncated;
@@ -104,7 +146,7 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     const GaussianTerm& term = terms[m];
     if (term.weight == 0.0f)
       continue;
-    if (methods_[m] == KernelMethod::truncated) {
+    if (choice_.methods[m] == KernelMethod::truncated) {
       truncated[term.position_deviation].push_back(term);
       continue;
     }
@@ -112,8 +154,9 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     features.topRows(positions.rows()) = positions / term.position_deviation;
     if (term.features.size() > 0)
       features.bottomRows(term.features.rows()) = term.features;
-    kernels.push_back(
-        std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
+    kernels.push_back(std::make_shared<LatticeKernel>(
+        features, term.weight, options_.normalization, simdTier(),
+        choice_.lows.empty() ? Eigen::VectorXf() : choice_.lows[m]));
   }
   for (const auto& [deviation, group] : truncated)
     kernels.push_back(std::make_shared<TruncatedKernel>(

@@ -96,9 +96,11 @@ struct LatticePass {
 } // namespace
 
 LatticeKernel::LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
-                             float weight, Normalization normalization, SimdTier tier)
-    : lattice_(features, tier), tier_(tier), splat_scale_(Eigen::ArrayXf::Ones(size())),
-      slice_scale_(splat_scale_), diagonal_(Eigen::ArrayXf::Zero(size()))
+                             float weight, Normalization normalization, SimdTier tier,
+                             const Eigen::VectorXf& lows)
+    : lattice_(features, tier, lows), tier_(tier),
+      splat_scale_(Eigen::ArrayXf::Ones(size())), slice_scale_(splat_scale_),
+      diagonal_(Eigen::ArrayXf::Zero(size()))
 {
   requireWeight(weight);
   if (normalization == Normalization::none) {

@@ -22,12 +22,13 @@ public:
    * \param[in] weight w, 0 or more
    * \param[in] normalization with D_i as the lattice's response to ones
    * \param[in] tier instructions to use; for tests
+   * \param[in] lows see PermutohedralLattice
    * \throws InvalidParameterException if the weight is negative or not finite, or as
    * PermutohedralLattice */
   explicit LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
                          float weight = 1.0f,
                          Normalization normalization = Normalization::symmetric,
-                         SimdTier tier = simdTier());
+                         SimdTier tier = simdTier(), const Eigen::VectorXf& lows = {});
 
   Eigen::Index
   size() const override

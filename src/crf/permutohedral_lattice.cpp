@@ -20,9 +20,10 @@ constexpr std::size_t tile_points = 2048;
 constexpr std::size_t bucket_vertices = 4096;
 
 /** \brief The minimum of the features and their extents.
+ * \param[in] lows of the features of a larger set; empty = of these
  * \throws InvalidParameterException as PermutohedralLattice */
 kernels::LatticeFrame
-frameOf(const Features& features, double* extents)
+frameOf(const Features& features, const Eigen::VectorXf& given_lows, double* extents)
 {
   const Eigen::Index d = features.rows();
   if (d < 1 || d > kernels::max_dimensions)
@@ -34,7 +35,7 @@ frameOf(const Features& features, double* extents)
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < d; ++k)
     if (features.cols() > 0) {
-      lows[k] = features.row(k).minCoeff();
+      lows[k] = given_lows.size() > 0 ? given_lows[k] : features.row(k).minCoeff();
       highs[k] = features.row(k).maxCoeff();
     }
   kernels::LatticeFrame frame = {};
@@ -443,10 +444,11 @@ private:
 
 } // namespace
 
-PermutohedralLattice::PermutohedralLattice(const Features& features, SimdTier tier)
+PermutohedralLattice::PermutohedralLattice(const Features& features, SimdTier tier,
+                                           const Eigen::VectorXf& lows)
 {
   double extents[kernels::max_dimensions] = {};
-  frame = frameOf(features, extents);
+  frame = frameOf(features, lows, extents);
   points = std::size_t(features.cols());
   corners = std::size_t(features.rows()) + 1;
   chunk_points = chunkPoints(points);

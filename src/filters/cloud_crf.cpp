@@ -157,6 +157,14 @@ CloudCRF::setLabelConfidence(double confidence, int classes)
 }
 
 void
+CloudCRF::setTileSize(std::size_t points)
+{
+  if (points == 0)
+    badParameter("a tile of 0 points, expected 1 or more");
+  terms_.tile_size = points;
+}
+
+void
 CloudCRF::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 {
   if (!indices.empty() && !(voxel_size > 0.0 && std::isfinite(voxel_size)))
@@ -303,6 +311,8 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
   CRFElements elements;
   if (!valid.empty())
     elements = elementsOf(fields, valid, voxels_, voxel_size_);
+  fields.positions.resize(3, 0);
+  fields.colours.resize(3, 0);
   report_ = refineElements(terms_, cliques, elements, refined_);
 #pragma omp parallel for schedule(static)
   for (std::size_t k = 0; k < valid.size(); ++k)

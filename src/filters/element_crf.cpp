@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 #include "element_model.h"
+#include "element_tiles.h"
 #include "negative_logs.h"
 
 #include <pcl_semantic/core/threads.h>
@@ -94,17 +95,24 @@ adjustLogits(const pcl::Indices& indices, const Eigen::VectorXd& frequencies,
   }
 }
 
+// Width of a tile's halo, in reaches of the kernels. With one more than the updates,
+// labels would be exact, but the halo larger than the tile (doc/crf.md#large-clouds).
+constexpr double kTileHalo = 1.5;
+
 struct ResultOptions {
   double temperature;
   std::vector<Label> kept; // SemanticCRFParameters::keep_thin applies to these classes
 };
 
-// Replaces measurements by tempered marginals.
+// Writes tempered marginals in place of measurements.
 // An unlabelled element without messages has a uniform marginal. Such an element stays
 // unlabelled, because its most probable class would be the first one.
+// \param[in] is_wanted whether to write an element, by index; empty = all
+// \param[out] refined may be the measurements
 void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
-            const ResultOptions& options, LabelDistributions& distributions)
+            const std::vector<std::uint8_t>& is_wanted, const ResultOptions& options,
+            const LabelDistributions& distributions, LabelDistributions& refined)
 {
   // A kept class loses only if the messages favour another class by more than a factor
   // of e^6, see doc/crf.md#thin-things. The marginals contain the unary odds, which
@@ -124,14 +132,18 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
   const int classes = int(marginals.rows());
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
-    auto column = distributions.matrix().col(indices[std::size_t(k)]);
-    const auto marginal = marginals.col(k);
-    if (column.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
+    const pcl::index_t i = indices[std::size_t(k)];
+    if (!is_wanted.empty() && !is_wanted[std::size_t(i)])
       continue;
-    if (!isKept(column, marginal))
+    const auto measured = distributions.matrix().col(i);
+    const auto marginal = marginals.col(k);
+    if (measured.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
+      continue;
+    auto column = refined.matrix().col(i);
+    if (!isKept(measured, marginal))
       column = marginal;
     else
-      column /= column.sum();
+      column = measured / measured.sum();
     if (options.temperature == 1.0)
       continue;
     const auto winner = Eigen::Index(mapLabel(column.data(), classes)) - 1;
@@ -141,6 +153,50 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
     if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // by rounding
       column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
   }
+}
+
+Eigen::MatrixXf
+columnsOf(const Eigen::MatrixXf& matrix, const pcl::Indices& part)
+{
+  Eigen::MatrixXf columns(matrix.rows(),
+                          matrix.size() > 0 ? Eigen::Index(part.size()) : 0);
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    columns.col(k) = matrix.col(part[std::size_t(k)]);
+  return columns;
+}
+
+// Refines tile by tile, so that the memory of a model does not grow with the cloud.
+void
+refineTiles(const CRFTerms& terms, const CRFElements& elements,
+            const KernelChoice& kernels, const ResultOptions& options,
+            CRFReport& report, LabelDistributions& distributions)
+{
+  LabelDistributions refined = distributions;
+  std::vector<std::uint8_t> is_own(elements.total, 0);
+  forEachTile(elements.positions, kTileHalo * kernels.reach, terms.tile_size,
+              [&](const ElementTile& tile) {
+                pcl::Indices columns = tile.own;
+                columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
+                CRFElements part;
+                part.total = elements.total;
+                for (const pcl::index_t k : columns)
+                  part.indices.push_back(elements.indices[std::size_t(k)]);
+                part.positions = columnsOf(elements.positions, columns);
+                part.colours = columnsOf(elements.colours, columns);
+                part.spacing = elements.spacing;
+                part.extent = elements.extent;
+                for (const pcl::index_t k : tile.own)
+                  is_own[std::size_t(elements.indices[std::size_t(k)])] = 1;
+                MeanField inference(
+                    buildModel(terms, nullptr, part, distributions, kernels, report));
+                inference.run(report.updates);
+                writeResult(inference.marginals(), part.indices, is_own, options,
+                            distributions, refined);
+                for (const pcl::index_t k : tile.own)
+                  is_own[std::size_t(elements.indices[std::size_t(k)])] = 0;
+              });
+  distributions = std::move(refined);
 }
 
 } // namespace
@@ -204,13 +260,21 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
                      ? terms.class_frequencies
                      : classFrequencies(elements.indices, distributions),
                  parameters.logit_adjustment, distributions);
-  MeanField inference(buildModel(terms, cliques, elements, distributions, report));
-  inference.run(parameters.iterations);
+  const ResultOptions options{parameters.temperature, parameters.keep_thin
+                                                          ? terms.thin_labels
+                                                          : std::vector<Label>()};
+  const KernelChoice kernels = chooseKernels(terms, elements);
   report.updates = parameters.iterations;
-  writeResult(inference.marginals(), elements.indices,
-              {parameters.temperature,
-               parameters.keep_thin ? terms.thin_labels : std::vector<Label>()},
-              distributions);
+  if (!terms.usesCliques() && terms.kernels.empty() &&
+      elements.indices.size() > terms.tile_size)
+    refineTiles(terms, elements, kernels, options, report, distributions);
+  else {
+    MeanField inference(
+        buildModel(terms, cliques, elements, distributions, kernels, report));
+    inference.run(parameters.iterations);
+    writeResult(inference.marginals(), elements.indices, {}, options, distributions,
+                distributions);
+  }
   return report;
 }
 

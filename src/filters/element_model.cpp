@@ -106,17 +106,27 @@ meansOf(const Eigen::MatrixXf& values,
   return means;
 }
 
+std::vector<GaussianTerm>
+gaussianTerms(const SemanticCRFParameters& parameters, const Eigen::MatrixXf& colours)
+{
+  return makeTerms(parameters.smoothness_weight, parameters.smoothness_deviation,
+                   parameters.appearance_weight, parameters.appearance_deviation,
+                   colours, parameters.colour_deviation);
+}
+
 class ModelBuilder {
 public:
   /** \brief Sorts the elements into an order that suits the kernels.
    * \param[in] measured of all elements */
   ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-               const LabelDistributions& measured)
+               const LabelDistributions& measured,
+               const GaussianKernels::Choice& choice)
       : terms_(terms), cliques_(cliques),
         parameters_(resolvedFor(elements, terms.parameters)), elements_(elements),
         measured_(measured),
-        gaussian_kernels_(elements.positions, deviationsOf(gaussianTerms()),
-                          kernelOptions(parameters_))
+        gaussian_kernels_(elements.positions,
+                          deviationsOf(gaussianTerms(parameters_, elements.colours)),
+                          kernelOptions(parameters_), choice)
   {
     if (!gaussian_kernels_.fastestOrder().empty())
       reorder(gaussian_kernels_.fastestOrder());
@@ -149,19 +159,11 @@ private:
       elements_.colours = gather(elements_.colours, order);
   }
 
-  std::vector<GaussianTerm>
-  gaussianTerms() const
-  {
-    return makeTerms(parameters_.smoothness_weight, parameters_.smoothness_deviation,
-                     parameters_.appearance_weight, parameters_.appearance_deviation,
-                     elements_.colours, parameters_.colour_deviation);
-  }
-
   GaussianKernels::List
   kernels() const
   {
-    GaussianKernels::List kernels =
-        gaussian_kernels_.make(elements_.positions, gaussianTerms());
+    GaussianKernels::List kernels = gaussian_kernels_.make(
+        elements_.positions, gaussianTerms(parameters_, elements_.colours));
     for (const GaussianTerm& kernel : terms_.kernels) {
       if (std::size_t(kernel.features.cols()) != elements_.total)
         badParameter("a kernel has features of ", kernel.features.cols(),
@@ -250,11 +252,30 @@ private:
 
 } // namespace
 
+KernelChoice
+chooseKernels(const CRFTerms& terms, const CRFElements& elements)
+{
+  const SemanticCRFParameters parameters = resolvedFor(elements, terms.parameters);
+  const std::vector<GaussianTerm> gaussians =
+      gaussianTerms(parameters, elements.colours);
+  KernelChoice kernels;
+  kernels.choice =
+      GaussianKernels::choose(elements.positions, gaussians, kernelOptions(parameters));
+  for (std::size_t m = 0; m < gaussians.size(); ++m) {
+    const double radius =
+        kernels.choice.methods[m] == KernelMethod::lattice ? 3.0 : parameters.radius;
+    kernels.reach =
+        std::max(kernels.reach, radius * double(gaussians[m].position_deviation));
+  }
+  return kernels;
+}
+
 CrfModel
 buildModel(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-           const LabelDistributions& measured, CRFReport& report)
+           const LabelDistributions& measured, const KernelChoice& kernels,
+           CRFReport& report)
 {
-  return ModelBuilder(terms, cliques, elements, measured).build(report);
+  return ModelBuilder(terms, cliques, elements, measured, kernels.choice).build(report);
 }
 
 } // namespace pcl_semantic

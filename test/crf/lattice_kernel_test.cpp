@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf/lattice_kernel.h"
+#include "support/brute_force_crf.h"
 #include "support/plain_lattice.h"
 #include "support/supported_tiers.h"
 
@@ -484,3 +485,23 @@ TEST(LatticeKernel, RefusesWhatCannotWork)
 }
 
 } // namespace
+
+// A part of the points has the same lattice if it knows the minimum of all of them.
+TEST(LatticeKernel, OfAPartIsThatOfTheWhole)
+{
+  const Eigen::MatrixXf part = makeRandomMatrix(4, 300, 0.0f, 6.0f, 21);
+  Eigen::MatrixXf whole(4, 400);
+  whole << part, makeRandomMatrix(4, 100, -60.3f, -40.0f, 22);
+  Eigen::MatrixXf values = Eigen::MatrixXf::Zero(3, 400);
+  values.leftCols(300) = makeRandomMatrix(3, 300, 0.0f, 1.0f, 23);
+  const Eigen::MatrixXf expected = product(LatticeKernel(whole), values).leftCols(300);
+  const auto partWith = [&](const Eigen::VectorXf& lows) {
+    return product(
+        LatticeKernel(part, 1.0f, Normalization::symmetric, simdTier(), lows),
+        values.leftCols(300));
+  };
+  const float scale = expected.cwiseAbs().maxCoeff();
+  EXPECT_LT((partWith(whole.rowwise().minCoeff()) - expected).cwiseAbs().maxCoeff(),
+            1e-5f * scale);
+  EXPECT_GT((partWith({}) - expected).cwiseAbs().maxCoeff(), 1e-3f * scale);
+}

@@ -64,11 +64,30 @@ public:
                   const std::vector<float>& deviations,
                   const GaussianKernelOptions& options = {});
 
+  /** \brief The choices for a cloud, with which a part of it has the same kernels. */
+  struct Choice {
+    std::vector<KernelMethod> methods; ///< of the terms
+    std::vector<Eigen::VectorXf> lows; ///< least features of the lattices, positions
+                                       ///< first; empty = of the part
+  };
+
+  /** \brief As above, with given choices. */
+  GaussianKernels(const Eigen::MatrixXf& positions,
+                  const std::vector<float>& deviations,
+                  const GaussianKernelOptions& options, Choice choice);
+
+  /** \brief Chooses for a cloud.
+   * \param[in] terms whose features belong to \a positions
+   * \throws as the constructor */
+  static Choice choose(const Eigen::MatrixXf& positions,
+                       const std::vector<GaussianTerm>& terms,
+                       const GaussianKernelOptions& options);
+
   /** \brief The method of a term: truncated or lattice. */
   KernelMethod
   method(std::size_t term) const
   {
-    return methods_[term];
+    return choice_.methods[term];
   }
 
   /** \brief The order of points in which the kernels are fastest; empty = the given
@@ -93,7 +112,7 @@ public:
 
 private:
   GaussianKernelOptions options_;
-  std::vector<KernelMethod> methods_;
+  Choice choice_;
   std::vector<std::int32_t> order_;
 };
 

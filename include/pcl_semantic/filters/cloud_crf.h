@@ -30,6 +30,8 @@ struct CloudFields {
 /** \brief A CRF over the points of a cloud of any type: settings and run(). */
 class CloudCRF : public CRFSettings {
 public:
+  CloudCRF() { terms_.tile_size = 1000000; }
+
   /** \brief Sets the measurements. Replaces setLabelConfidence().
    * \param[in] distributions L x size of the input cloud. The points of all-zero
    * columns are unlabelled. They take the label of their neighbours, if a neighbour has
@@ -74,6 +76,15 @@ public:
   {
     use_colour_ = use;
   }
+
+  /** \brief Sets the number of points that are refined at once, 1000000 by default.
+   *
+   * A larger cloud is refined in tiles of at most as many points, each with its
+   * surroundings, so that the memory of the model does not grow with the cloud. At
+   * least 99.99 % of the labels are those of a run in one piece (doc/crf.md). Models
+   * with cliques or own kernels (addKernel()) are refined in one piece. \throws
+   * InvalidParameterException if it is 0 */
+  void setTileSize(std::size_t points);
 
   /** \brief Sets the cliques of the models `pn_potts` and `hierarchical`. Replaces a
    * generator.
@@ -122,7 +133,8 @@ public:
   static constexpr float max_coordinate = 1e7f;
 
   /** \brief Refines the points of the given indices.
-   * \param[in,out] cloud the labels of these points are rewritten
+   * \param[in,out] cloud the labels of these points are rewritten; positions and
+   * colours are freed
    * \param[in] measured measurements from a field of the cloud, L x points. They are
    * used if neither setLabelDistributions() nor setLabelConfidence() was called; null =
    * no field
