@@ -161,7 +161,7 @@ CloudCRF::setTileSize(std::size_t points)
 {
   if (points == 0)
     badParameter("a tile of 0 points, expected 1 or more");
-  terms_.tile_size = points;
+  tile_size_ = points;
 }
 
 void
@@ -311,6 +311,8 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
   CRFElements elements;
   if (!valid.empty())
     elements = elementsOf(fields, valid, voxels_, voxel_size_);
+  if (voxels_.empty())
+    elements.tile_size = tile_size_;
   fields.positions.resize(3, 0);
   fields.colours.resize(3, 0);
   report_ = refineElements(terms_, cliques, elements, refined_);

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -146,8 +145,6 @@ refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
     crf.setClassFrequencies(classFrequencies(all, voxels.measured));
   }
   crf.setThinLabels(label_set.thinLabels());
-  // A region has the result of the whole map exactly, which tiles do not have.
-  crf.setTileSize(std::numeric_limits<std::size_t>::max());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);
   crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));

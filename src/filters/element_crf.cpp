@@ -95,9 +95,15 @@ adjustLogits(const pcl::Indices& indices, const Eigen::VectorXd& frequencies,
   }
 }
 
-// Width of a tile's halo, in reaches of the kernels. With one more than the updates,
-// labels would be exact, but the halo larger than the tile (doc/crf.md#large-clouds).
-constexpr double kTileHalo = 1.5;
+// Width of a tile's halo, in reaches of the kernels (doc/crf.md#large-clouds). Labels
+// spread into unlabelled points by one reach an update. One more reach than updates is
+// exact for truncated kernels, but can make the halo larger than the tile.
+double
+tileHalo(std::size_t unlabelled, std::size_t elements, int updates)
+{
+  constexpr std::size_t few = 10000; // elements for each unlabelled one
+  return updates > 3 || unlabelled > elements / few ? updates + 1.0 : 1.5;
+}
 
 struct ResultOptions {
   double temperature;
@@ -166,37 +172,71 @@ columnsOf(const Eigen::MatrixXf& matrix, const pcl::Indices& part)
   return columns;
 }
 
-// Refines tile by tile, so that the memory of a model does not grow with the cloud.
+CRFElements
+partOf(const CRFElements& elements, const ElementTile& tile)
+{
+  pcl::Indices columns = tile.own;
+  columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
+  CRFElements part;
+  part.total = elements.total;
+  part.indices.reserve(columns.size());
+  for (const pcl::index_t k : columns)
+    part.indices.push_back(elements.indices[std::size_t(k)]);
+  part.positions = columnsOf(elements.positions, columns);
+  part.colours = columnsOf(elements.colours, columns);
+  part.spacing = elements.spacing;
+  part.extent = elements.extent;
+  return part;
+}
+
 void
-refineTiles(const CRFTerms& terms, const CRFElements& elements,
+refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
             const KernelChoice& kernels, const ResultOptions& options,
             CRFReport& report, LabelDistributions& distributions)
 {
-  LabelDistributions refined = distributions;
+  MeanField inference(
+      buildModel(terms, cliques, elements, distributions, kernels, report));
+  inference.run(report.updates);
+  writeResult(inference.marginals(), elements.indices, {}, options, distributions,
+              distributions);
+}
+
+// Refines tile by tile, so that the memory of a model grows little with the cloud.
+void
+refineTiles(const CRFTerms& terms, CRFElements& elements, const KernelChoice& kernels,
+            const ResultOptions& options, CRFReport& report,
+            LabelDistributions& distributions)
+{
+  LabelDistributions refined; // of the tiles; halos need the measurements
   std::vector<std::uint8_t> is_own(elements.total, 0);
-  forEachTile(elements.positions, kTileHalo * kernels.reach, terms.tile_size,
+  const auto mark = [&](const ElementTile& tile, std::uint8_t value) {
+    for (const pcl::index_t k : tile.own)
+      is_own[std::size_t(elements.indices[std::size_t(k)])] = value;
+  };
+  const double reach =
+      tileHalo(report.unlabelled, elements.indices.size(), report.updates) *
+      kernels.reach;
+  bool is_whole = false;
+  forEachTile(elements.positions, reach, elements.tile_size,
               [&](const ElementTile& tile) {
-                pcl::Indices columns = tile.own;
-                columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
-                CRFElements part;
-                part.total = elements.total;
-                for (const pcl::index_t k : columns)
-                  part.indices.push_back(elements.indices[std::size_t(k)]);
-                part.positions = columnsOf(elements.positions, columns);
-                part.colours = columnsOf(elements.colours, columns);
-                part.spacing = elements.spacing;
-                part.extent = elements.extent;
-                for (const pcl::index_t k : tile.own)
-                  is_own[std::size_t(elements.indices[std::size_t(k)])] = 1;
+                is_whole = tile.own.size() == elements.indices.size();
+                if (is_whole)
+                  return;
+                if (refined.empty())
+                  refined = distributions;
+                CRFElements part = partOf(elements, tile);
+                mark(tile, 1);
                 MeanField inference(
                     buildModel(terms, nullptr, part, distributions, kernels, report));
                 inference.run(report.updates);
                 writeResult(inference.marginals(), part.indices, is_own, options,
                             distributions, refined);
-                for (const pcl::index_t k : tile.own)
-                  is_own[std::size_t(elements.indices[std::size_t(k)])] = 0;
+                mark(tile, 0);
               });
-  distributions = std::move(refined);
+  if (is_whole)
+    refineWhole(terms, nullptr, elements, kernels, options, report, distributions);
+  else
+    distributions = std::move(refined);
 }
 
 } // namespace
@@ -266,15 +306,10 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
   const KernelChoice kernels = chooseKernels(terms, elements);
   report.updates = parameters.iterations;
   if (!terms.usesCliques() && terms.kernels.empty() &&
-      elements.indices.size() > terms.tile_size)
+      elements.indices.size() > elements.tile_size)
     refineTiles(terms, elements, kernels, options, report, distributions);
-  else {
-    MeanField inference(
-        buildModel(terms, cliques, elements, distributions, kernels, report));
-    inference.run(parameters.iterations);
-    writeResult(inference.marginals(), elements.indices, {}, options, distributions,
-                distributions);
-  }
+  else
+    refineWhole(terms, cliques, elements, kernels, options, report, distributions);
   return report;
 }
 

@@ -9,6 +9,7 @@
 #include <pcl/types.h>
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -22,6 +23,8 @@ struct CRFElements {
   Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   double spacing = 0.0;      ///< CRFReport::spacing
   double extent = 0.0;       ///< CRFReport::extent
+  /// More elements are refined in tiles of at most as many.
+  std::size_t tile_size = std::numeric_limits<std::size_t>::max();
 };
 
 /** \brief The parameters for elements, without automatic values. */

@@ -38,12 +38,24 @@ public:
       (positions_(axis, i) < middle ? left : right).own.push_back(i);
     left.halo = haloOf(left.own, right.own, tile.halo);
     right.halo = haloOf(right.own, left.own, tile.halo);
+    if (sizeOf(left) > kWorthwhile * sizeOf(tile) ||
+        sizeOf(right) > kWorthwhile * sizeOf(tile))
+      return visit_(tile);
     tile = ElementTile(); // its memory is needed
     divide(std::move(left));
     divide(std::move(right));
   }
 
 private:
+  // Largest part of a tile and its halo that a half of it may need.
+  static constexpr double kWorthwhile = 0.75;
+
+  static double
+  sizeOf(const ElementTile& tile)
+  {
+    return double(tile.own.size() + tile.halo.size());
+  }
+
   // The median, or the least value above the lowest one.
   float
   middleOf(const pcl::Indices& elements, Eigen::Index axis, float low) const

@@ -18,7 +18,8 @@ struct ElementTile {
 };
 
 /** \brief Divides elements into boxes, at the median of the longest axis, until a box
- * has at most a number of elements. Elements of equal coordinates stay together, so the
+ * has at most a number of elements, or its halves would need more than 75 % of the
+ * elements of it and its halo. Elements of equal coordinates stay together, so the
  * tiles do not depend on the order of the elements.
  * \param[in] positions 1 to 3 rows x n, finite
  * \param[in] reach width of the halo, in the unit of the positions

@@ -30,8 +30,6 @@ struct CloudFields {
 /** \brief A CRF over the points of a cloud of any type: settings and run(). */
 class CloudCRF : public CRFSettings {
 public:
-  CloudCRF() { terms_.tile_size = 1000000; }
-
   /** \brief Sets the measurements. Replaces setLabelConfidence().
    * \param[in] distributions L x size of the input cloud. The points of all-zero
    * columns are unlabelled. They take the label of their neighbours, if a neighbour has
@@ -79,10 +77,11 @@ public:
 
   /** \brief Sets the number of points that are refined at once, 1000000 by default.
    *
-   * A larger cloud is refined in tiles of at most as many points, each with its
-   * surroundings, so that the memory of the model does not grow with the cloud. At
-   * least 99.99 % of the labels are those of a run in one piece (doc/crf.md). Models
-   * with cliques or own kernels (addKernel()) are refined in one piece. \throws
+   * A larger cloud is refined in tiles of at most as many points and their
+   * surroundings, so that the memory of the model grows little with the cloud. Nearly
+   * all labels are those of a run in one piece (doc/crf.md, "Large clouds"). A tile is
+   * not divided further if its parts would need most of it. Models with cliques or own
+   * kernels (addKernel()), and voxels (setVoxels()), are refined in one piece. \throws
    * InvalidParameterException if it is 0 */
   void setTileSize(std::size_t points);
 
@@ -199,6 +198,7 @@ private:
   std::optional<std::vector<pcl::PointIndices>> cliques_;
   CliqueGenerator::Ptr generator_;
   bool use_colour_ = true;
+  std::size_t tile_size_ = 1000000;
   LabelDistributions refined_;
   std::size_t skipped_points_ = 0;
 };

@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,9 +21,7 @@ struct CRFTerms {
   std::vector<GaussianTerm> kernels; ///< the caller's own: weights and features
   std::vector<Label> thin_labels;
   Eigen::VectorXd class_frequencies; ///< L, sum 1; empty = of the measurements
-  /// Elements that are refined at once, see CloudCRF::setTileSize().
-  std::size_t tile_size = std::numeric_limits<std::size_t>::max();
-  std::optional<int> threads; ///< none: OpenMP's number for the calling thread
+  std::optional<int> threads;        ///< none: OpenMP's number for the calling thread
 
   bool
   usesCliques() const
