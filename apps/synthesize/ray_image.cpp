@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ray_image.h"
 
+#include "core/fail.h"
 #include "noise.h"
 
 #include <opencv2/core.hpp>
@@ -57,6 +58,14 @@ toPixel(const Vector3f& light, std::uint32_t noise)
 }
 
 } // namespace
+
+void
+requireImageSize(int width, int height)
+{
+  if (width < 64 || height < 32 || width > 4096 || height > 4096)
+    fail<InvalidParameterException>("image size ", width, "x", height,
+                                    ", expected 64x32 to 4096x4096");
+}
 
 cv::Mat
 renderRays(const Look& look, int width, int height, std::uint32_t noise_seed,

@@ -24,6 +24,10 @@ struct Sample {
 /** \brief Casts a ray through pixel coordinates (column, row). */
 using Look = std::function<Sample(double u, double v)>;
 
+/** \brief Checks the size of images to render [px].
+ * \throws InvalidParameterException unless it lies within 64 x 32 and 4096 x 4096 */
+void requireImageSize(int width, int height);
+
 /** \brief Renders an image, with more rays for the pixels on edges and with the noise
  * of a sensor; the same bytes for any number of threads.
  *

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "renderer.h"
 
-#include "core/fail.h"
 #include "materials.h"
 #include "ray_image.h"
 
@@ -87,9 +86,7 @@ private:
 SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int height)
     : scene_(scene)
 {
-  if (width < 64 || height < 32 || width > 4096 || height > 4096)
-    fail<InvalidParameterException>("image size ", width, "x", height,
-                                    ", expected 64x32 to 4096x4096");
+  synthetic::requireImageSize(width, height);
   const double focal_length = 718.0 * width / 1241.0;
   camera_ = {
       focal_length, focal_length, 607.0 * width / 1241.0, 185.0 * height / 376.0, 0.54,

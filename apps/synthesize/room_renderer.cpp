@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "room_renderer.h"
 
-#include "core/fail.h"
 #include "materials.h"
 #include "noise.h"
 #include "ray_image.h"
@@ -20,9 +19,7 @@ using synthetic::Surface;
 RoomRenderer::RoomRenderer(const SyntheticRoom& room, int width, int height)
     : room_(room)
 {
-  if (width < 64 || height < 32 || width > 4096 || height > 4096)
-    fail<InvalidParameterException>("image size ", width, "x", height,
-                                    ", expected 64x32 to 4096x4096");
+  synthetic::requireImageSize(width, height);
   const double focal_length = 585.0 * width / 640.0;
   camera_ = {focal_length, focal_length, 0.5 * width, 0.5 * height, 1.0, width, height};
 }

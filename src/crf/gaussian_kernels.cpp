@@ -98,12 +98,14 @@ GaussianKernels::choose(const Eigen::MatrixXf& positions,
     deviations.push_back(term.position_deviation);
   Choice choice;
   choice.methods = methodsFor(positions, deviations, options);
-  for (const GaussianTerm& term : terms) {
-    Eigen::VectorXf lows(positions.rows() + term.features.rows());
-    if (positions.cols() > 0)
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const GaussianTerm& term = terms[m];
+    const bool has_lattice = choice.methods[m] == KernelMethod::lattice;
+    Eigen::VectorXf lows(has_lattice ? positions.rows() + term.features.rows() : 0);
+    if (has_lattice && positions.cols() > 0)
       lows.head(positions.rows()) =
           (positions / term.position_deviation).rowwise().minCoeff();
-    if (term.features.size() > 0)
+    if (has_lattice && term.features.size() > 0)
       lows.tail(term.features.rows()) = term.features.rowwise().minCoeff();
     choice.lows.push_back(std::move(lows));
   }

@@ -161,17 +161,6 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
   }
 }
 
-Eigen::MatrixXf
-columnsOf(const Eigen::MatrixXf& matrix, const pcl::Indices& part)
-{
-  Eigen::MatrixXf columns(matrix.rows(),
-                          matrix.size() > 0 ? Eigen::Index(part.size()) : 0);
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < columns.cols(); ++k)
-    columns.col(k) = matrix.col(part[std::size_t(k)]);
-  return columns;
-}
-
 CRFElements
 partOf(const CRFElements& elements, const ElementTile& tile)
 {
@@ -182,8 +171,9 @@ partOf(const CRFElements& elements, const ElementTile& tile)
   part.indices.reserve(columns.size());
   for (const pcl::index_t k : columns)
     part.indices.push_back(elements.indices[std::size_t(k)]);
-  part.positions = columnsOf(elements.positions, columns);
-  part.colours = columnsOf(elements.colours, columns);
+  part.positions = gather(elements.positions, columns);
+  if (elements.colours.size() > 0)
+    part.colours = gather(elements.colours, columns);
   part.spacing = elements.spacing;
   part.extent = elements.extent;
   return part;
@@ -191,11 +181,11 @@ partOf(const CRFElements& elements, const ElementTile& tile)
 
 void
 refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-            const KernelChoice& kernels, const ResultOptions& options,
-            CRFReport& report, LabelDistributions& distributions)
+            const ResultOptions& options, CRFReport& report,
+            LabelDistributions& distributions)
 {
   MeanField inference(
-      buildModel(terms, cliques, elements, distributions, kernels, report));
+      buildModel(terms, cliques, elements, distributions, nullptr, report));
   inference.run(report.updates);
   writeResult(inference.marginals(), elements.indices, {}, options, distributions,
               distributions);
@@ -203,10 +193,10 @@ refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements
 
 // Refines tile by tile, so that the memory of a model grows little with the cloud.
 void
-refineTiles(const CRFTerms& terms, CRFElements& elements, const KernelChoice& kernels,
-            const ResultOptions& options, CRFReport& report,
-            LabelDistributions& distributions)
+refineTiles(const CRFTerms& terms, CRFElements& elements, const ResultOptions& options,
+            CRFReport& report, LabelDistributions& distributions)
 {
+  const KernelChoice kernels = chooseKernels(terms, elements);
   LabelDistributions refined; // of the tiles; halos need the measurements
   std::vector<std::uint8_t> is_own(elements.total, 0);
   const auto mark = [&](const ElementTile& tile, std::uint8_t value) {
@@ -226,15 +216,15 @@ refineTiles(const CRFTerms& terms, CRFElements& elements, const KernelChoice& ke
                   refined = distributions;
                 CRFElements part = partOf(elements, tile);
                 mark(tile, 1);
-                MeanField inference(
-                    buildModel(terms, nullptr, part, distributions, kernels, report));
+                MeanField inference(buildModel(terms, nullptr, part, distributions,
+                                               &kernels.choice, report));
                 inference.run(report.updates);
                 writeResult(inference.marginals(), part.indices, is_own, options,
                             distributions, refined);
                 mark(tile, 0);
               });
   if (is_whole)
-    refineWhole(terms, nullptr, elements, kernels, options, report, distributions);
+    refineWhole(terms, nullptr, elements, options, report, distributions);
   else
     distributions = std::move(refined);
 }
@@ -303,13 +293,12 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
   const ResultOptions options{parameters.temperature, parameters.keep_thin
                                                           ? terms.thin_labels
                                                           : std::vector<Label>()};
-  const KernelChoice kernels = chooseKernels(terms, elements);
   report.updates = parameters.iterations;
   if (!terms.usesCliques() && terms.kernels.empty() &&
       elements.indices.size() > elements.tile_size)
-    refineTiles(terms, elements, kernels, options, report, distributions);
+    refineTiles(terms, elements, options, report, distributions);
   else
-    refineWhole(terms, cliques, elements, kernels, options, report, distributions);
+    refineWhole(terms, cliques, elements, options, report, distributions);
   return report;
 }
 

@@ -46,17 +46,6 @@ kernelOptions(const SemanticCRFParameters& parameters)
   return {parameters.kernel_method, float(parameters.radius), parameters.normalization};
 }
 
-template <typename Index>
-Eigen::MatrixXf
-gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
-{
-  Eigen::MatrixXf result(matrix.rows(), Eigen::Index(columns.size()));
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index i = 0; i < result.cols(); ++i)
-    result.col(i) = matrix.col(Eigen::Index(columns[std::size_t(i)]));
-  return result;
-}
-
 // Eq. (6). Without colours the second kernel becomes a kernel over positions, to keep
 // its weight: otherwise a single wrong label outvotes its neighbours.
 std::vector<GaussianTerm>
@@ -114,19 +103,28 @@ gaussianTerms(const SemanticCRFParameters& parameters, const Eigen::MatrixXf& co
                    colours, parameters.colour_deviation);
 }
 
+GaussianKernels
+makeKernels(const CRFElements& elements, const SemanticCRFParameters& parameters,
+            const GaussianKernels::Choice* choice)
+{
+  const std::vector<float> deviations =
+      deviationsOf(gaussianTerms(parameters, elements.colours));
+  const GaussianKernelOptions options = kernelOptions(parameters);
+  return choice ? GaussianKernels(elements.positions, deviations, options, *choice)
+                : GaussianKernels(elements.positions, deviations, options);
+}
+
 class ModelBuilder {
 public:
   /** \brief Sorts the elements into an order that suits the kernels.
    * \param[in] measured of all elements */
   ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
                const LabelDistributions& measured,
-               const GaussianKernels::Choice& choice)
+               const GaussianKernels::Choice* choice)
       : terms_(terms), cliques_(cliques),
         parameters_(resolvedFor(elements, terms.parameters)), elements_(elements),
         measured_(measured),
-        gaussian_kernels_(elements.positions,
-                          deviationsOf(gaussianTerms(parameters_, elements.colours)),
-                          kernelOptions(parameters_), choice)
+        gaussian_kernels_(makeKernels(elements, parameters_, choice))
   {
     if (!gaussian_kernels_.fastestOrder().empty())
       reorder(gaussian_kernels_.fastestOrder());
@@ -252,6 +250,16 @@ private:
 
 } // namespace
 
+Eigen::MatrixXf
+gather(const Eigen::MatrixXf& matrix, const pcl::Indices& columns)
+{
+  Eigen::MatrixXf result(matrix.rows(), Eigen::Index(columns.size()));
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index i = 0; i < result.cols(); ++i)
+    result.col(i) = matrix.col(Eigen::Index(columns[std::size_t(i)]));
+  return result;
+}
+
 KernelChoice
 chooseKernels(const CRFTerms& terms, const CRFElements& elements)
 {
@@ -272,10 +280,10 @@ chooseKernels(const CRFTerms& terms, const CRFElements& elements)
 
 CrfModel
 buildModel(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-           const LabelDistributions& measured, const KernelChoice& kernels,
+           const LabelDistributions& measured, const GaussianKernels::Choice* choice,
            CRFReport& report)
 {
-  return ModelBuilder(terms, cliques, elements, measured, kernels.choice).build(report);
+  return ModelBuilder(terms, cliques, elements, measured, choice).build(report);
 }
 
 } // namespace pcl_semantic

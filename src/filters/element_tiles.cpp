@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element_tiles.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -23,16 +25,12 @@ public:
   {
     if (tile.own.empty())
       return;
-    Eigen::VectorXf low = positions_.col(tile.own[0]), high = low;
-    for (const pcl::index_t i : tile.own) {
-      low = low.cwiseMin(positions_.col(i));
-      high = high.cwiseMax(positions_.col(i));
-    }
+    const Box box = boxOf(tile.own);
     Eigen::Index axis = 0;
-    const float length = (high - low).maxCoeff(&axis);
+    const float length = box.sizes().maxCoeff(&axis);
     if (tile.own.size() <= most_ || length == 0.0f)
       return visit_(tile);
-    const float middle = middleOf(tile.own, axis, low[axis]);
+    const float middle = middleOf(tile.own, axis, box.min()[axis]);
     ElementTile left, right;
     for (const pcl::index_t i : tile.own)
       (positions_(axis, i) < middle ? left : right).own.push_back(i);
@@ -47,6 +45,17 @@ public:
   }
 
 private:
+  using Box = Eigen::AlignedBox<float, Eigen::Dynamic>;
+
+  Box
+  boxOf(const pcl::Indices& elements) const
+  {
+    Box box(positions_.rows());
+    for (const pcl::index_t i : elements)
+      box.extend(positions_.col(i));
+    return box;
+  }
+
   // Largest part of a tile and its halo that a half of it may need.
   static constexpr double kWorthwhile = 0.75;
 
@@ -79,18 +88,14 @@ private:
   haloOf(const pcl::Indices& own, const pcl::Indices& other,
          const pcl::Indices& halo) const
   {
-    Eigen::VectorXf low = positions_.col(own[0]), high = low;
-    for (const pcl::index_t i : own) {
-      low = low.cwiseMin(positions_.col(i));
-      high = high.cwiseMax(positions_.col(i));
-    }
-    low.array() -= reach_;
-    high.array() += reach_;
+    const Box box = boxOf(own);
+    const Eigen::ArrayXf low = box.min().array() - reach_;
+    const Eigen::ArrayXf high = box.max().array() + reach_;
     pcl::Indices near;
     for (const pcl::Indices* elements : {&other, &halo})
       for (const pcl::index_t i : *elements)
-        if ((positions_.col(i).array() >= low.array()).all() &&
-            (positions_.col(i).array() <= high.array()).all())
+        if ((positions_.col(i).array() >= low).all() &&
+            (positions_.col(i).array() <= high).all())
           near.push_back(i);
     return near;
   }

@@ -81,8 +81,9 @@ public:
    * surroundings, so that the memory of the model grows little with the cloud. Nearly
    * all labels are those of a run in one piece (doc/crf.md, "Large clouds"). A tile is
    * not divided further if its parts would need most of it. Models with cliques or own
-   * kernels (addKernel()), and voxels (setVoxels()), are refined in one piece. \throws
-   * InvalidParameterException if it is 0 */
+   * kernels (addKernel()), and voxels (setVoxels()), are refined in one piece.
+   *
+   * \throws InvalidParameterException if it is 0 */
   void setTileSize(std::size_t points);
 
   /** \brief Sets the cliques of the models `pn_potts` and `hierarchical`. Replaces a

@@ -59,8 +59,9 @@ private:
  * observations, and object and plane if VoxelCloud::objects and planes are set. Without
  * measured colour there is no rgba. The comment `# voxel_grid SIZE X Y Z` in the header
  * gives the edge of a voxel and the lower corner of voxel 0 [m]: floor((point - corner)
- * / size) is the index of a point's voxel. \throws OutputException if the file cannot
- * be written */
+ * / size) is the index of a point's voxel.
+ *
+ * \throws OutputException if the file cannot be written */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);
 

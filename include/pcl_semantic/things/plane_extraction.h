@@ -89,8 +89,9 @@ private:
  * within the radius. Points neither in a plane nor next to one are searched once more
  * with twice the radius, because the noise of distant points may be wider than the
  * radius; planes found then join coplanar ones of the first search. The result depends
- * neither on the order of the points nor on the number of threads. \tparam PointT has
- * x, y, z [m] */
+ * neither on the order of the points nor on the number of threads.
+ *
+ * \tparam PointT has x, y, z [m] */
 template <typename PointT>
 class PlaneExtraction : public pcl::PCLBase<PointT>, public PlaneExtractionBase {
 public:
