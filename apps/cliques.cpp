@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
 #include "image_tool.h"
+#include "io/cloud_row_writer.h"
+#include "large_cloud.h"
 #include "messages.h"
+#include "tile_cliques.h"
 #include "tool.h"
 
 #include <pcl_semantic/cliques/ranked_cliques.h>
@@ -24,7 +27,11 @@
 #include <pcl/common/io.h>
 #include <pcl/common/point_tests.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -69,6 +76,7 @@ struct Arguments {
   CliqueFrame frame;
   CliqueParameters parameters;
   int threads = 0;
+  double memory = 0.0; // [GB]
 };
 
 void
@@ -117,6 +125,7 @@ parse(int argc, char** argv)
        {"calibration", frame.calibration,
         "KITTI's calib.txt, if --pose is of camera 0 and --frame of camera 2"},
        {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
+       {"memory", arguments.memory, kMemoryHelp},
        {"coloured", arguments.coloured,
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
@@ -239,13 +248,106 @@ colourCliques(const std::vector<pcl::PointIndices>& cliques,
   }
 }
 
+// Measured with supervoxels (doc/formats.md).
+constexpr CloudNeeds kNeeds{0.0, 600.0};
+
+// Names the file in errors.
+std::vector<pcl::PointIndices>
+generate(const std::string& input, const LabelledCloud& read,
+         CliqueGenerator& generator)
+{
+  try {
+    return cliquesOf(read, generator);
+  }
+  catch (const BadInputException& error) { // the generator does not report the file
+    fail<BadInputException>(input, ": ", error.what());
+  }
+}
+
+std::size_t
+countMembers(const std::vector<pcl::PointIndices>& cliques)
+{
+  std::size_t members = 0;
+  for (const pcl::PointIndices& clique : cliques)
+    members += clique.indices.size();
+  return members;
+}
+
+// Numbers the cliques of a tile after those of the tiles before. A clique that the tile
+// cuts has its points of the tile only.
+std::vector<std::uint32_t>
+numbersOf(const std::vector<pcl::PointIndices>& cliques, std::size_t points,
+          std::size_t own, std::size_t before)
+{
+  std::vector<std::uint32_t> numbers(points, 0);
+  std::size_t number = before;
+  for (const pcl::PointIndices& clique : cliques) {
+    const bool is_of_tile =
+        std::any_of(clique.indices.begin(), clique.indices.end(),
+                    [&](pcl::index_t i) { return std::size_t(i) < own; });
+    if (!is_of_tile)
+      continue;
+    ++number;
+    for (const pcl::index_t i : clique.indices)
+      numbers[std::size_t(i)] = std::uint32_t(number);
+  }
+  return numbers;
+}
+
+// Groups the points of a binary .pcd tile by tile.
+int
+groupTiles(const Arguments& arguments, CliqueGenerator& generator, std::size_t memory)
+{
+  refuseIf(!arguments.coloured.empty() || !arguments.frame.path.empty(),
+           "--coloured and --frame need the whole cloud in memory: a larger --memory");
+  PcdReader reader(arguments.input);
+  const CloudSurvey survey = surveyWithProgress(reader, &anyLabels(), true);
+  if (generator.usesColour() && !survey.has_colour)
+    fail<BadInputException>(arguments.input, ": this method needs rgb or rgba");
+  TileOptions options;
+  options.reach = 10.0 * survey.sample.spacing; // shows which cliques are cut
+  options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
+  const CloudTiles tiles =
+      divideWithProgress(reader, survey, options, arguments.output);
+  CloudRowWriter writer(arguments.output, reader.size());
+  CliqueCounts counts;
+  std::size_t members = 0;
+  forEachTileOf(tiles, "grouping", [&](CloudTile tile) {
+    const std::size_t own = tile.numbers.size();
+    LabelledCloud read =
+        labelledCloudOf(std::move(tile.table), arguments.input, &anyLabels());
+    setMeanPositions(read, generator);
+    moveToVoxelCentres(read);
+    const auto cliques = generate(arguments.input, read, generator);
+    const std::vector<std::uint32_t> numbers =
+        numbersOf(cliques, read.cloud->size(), own, counts.of_tile);
+    read.table.setColumn("clique", numbers);
+    const CliqueCounts found = countCliques(cliques, own);
+    counts.of_tile += found.of_tile;
+    counts.cut += found.cut;
+    members += own - std::size_t(std::count(numbers.begin(),
+                                            numbers.begin() + std::ptrdiff_t(own), 0u));
+    writer.append(read.table, tile.numbers);
+  });
+  writer.write(reader.header());
+  printResults({{"cliques", counts.of_tile},
+                {"cliques_cut_by_tiles", counts.cut},
+                {"members", members},
+                {"points", reader.size()},
+                {"cloud", arguments.output}});
+  return exit_done;
+}
+
 int
 group(const Arguments& arguments)
 {
   const auto generator = makeCliqueGenerator(arguments.method, arguments.parameters);
   setNumberOfThreads(arguments.threads);
-  LabelledCloud read = readLabelledCloud(arguments.input, &anyLabels(),
-                                         parseScanColumns(arguments.scan_columns));
+  const std::size_t memory = memoryOf(arguments.memory);
+  const ScanColumns columns = parseScanColumns(arguments.scan_columns);
+  if (columns.empty() && needsTiles(arguments.input, kNeeds, memory))
+    return groupTiles(arguments, *generator, memory);
+  LabelledCloud read = readLabelledCloud(arguments.input, &anyLabels(), columns);
   if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));
@@ -253,37 +355,27 @@ group(const Arguments& arguments)
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())
     warn(arguments.input + ": no point is left");
-  const auto means = std::make_shared<CliqueGenerator::Cloud>();
-  pcl::copyPointCloud(*read.cloud, *means);
+  setMeanPositions(read, *generator);
   moveToVoxelCentres(read);
-  CliqueGenerator::Cloud cloud;
-  pcl::copyPointCloud(*read.cloud, cloud);
   for (const auto& each : generatorsOf(generator))
     if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(each.get()))
       setFrame(arguments.frame, arguments.input, read, *superpixels);
-  try {
-    generator->setOrigin(read.origin);
-    generator->setMeanPositions(means, read.table.voxel_grid[0]);
-    read.cliques = generator->generate(cloud);
-  }
-  catch (const BadInputException& error) { // the generator does not report the file
-    fail<BadInputException>(arguments.input, ": ", error.what());
-  }
-  std::size_t members = 0;
-  for (const pcl::PointIndices& clique : read.cliques)
-    members += clique.indices.size();
-  if (members == 0 && !arguments.frame.path.empty() && !cloud.empty())
+  read.cliques = generate(arguments.input, read, *generator);
+  const std::size_t members = countMembers(read.cliques);
+  if (members == 0 && !arguments.frame.path.empty() && !read.cloud->empty())
     fail<BadInputException>(arguments.frame.path, ": shows no voxel of ",
                             arguments.input,
                             "; do --pose, --map-origin and --voxel-size fit?");
   if (!arguments.coloured.empty()) {
+    CliqueGenerator::Cloud cloud;
+    pcl::copyPointCloud(*read.cloud, cloud);
     colourCliques(read.cliques, cloud);
     writeColourCloud(arguments.coloured, cloud, read.origin);
   }
   writeCliques(arguments.output, read);
   printResults({{"cliques", read.cliques.size()},
                 {"members", members},
-                {"points", cloud.size()},
+                {"points", read.cloud->size()},
                 {"cloud", arguments.output}});
   return exit_done;
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "io/cloud_row_writer.h"
+#include "large_cloud.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -14,6 +16,9 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -24,6 +29,7 @@ struct Arguments {
   std::string input, output, label_set, label_mapping, scan_columns;
   std::string crop, keep, drop, relabel;
   double thin = 0.0;
+  double memory = 0.0; // [GB]
   bool colour = false;
 };
 
@@ -58,8 +64,9 @@ parse(int argc, char** argv)
        {"relabel", arguments.relabel,
         "new labels of classes, OLD=NEW, separated by commas: fence=pole,7=0"},
        {"thin", arguments.thin,
-        "voxel size of thinning [m]: one point per voxel, with the mean probabilities "
-        "or the most frequent label of its points"},
+        "voxel size of thinning [m]: one point per voxel, with mean probabilities "
+        "or the most frequent label"},
+       {"memory", arguments.memory, kMemoryHelp},
        {"colour", arguments.colour, "write the colours of the classes as rgba"}},
       {"input", "output"});
   refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
@@ -88,17 +95,43 @@ public:
     readRelabelling();
   }
 
+  const LabelMapping*
+  mapping() const
+  {
+    return mapping_ ? &*mapping_ : nullptr;
+  }
+
+  /** \brief Prepares for parts of a cloud, whose doubts are known.
+   * \param[in] zero_is_none see countNoReturns() */
+  void
+  setParts(bool zero_is_none)
+  {
+    has_parts_ = true;
+    zero_is_none_ = zero_is_none;
+    if (mapping_) // the survey has counted the unmapped numbers
+      mapping_ = readLabelMapping(arguments_.label_mapping, *label_set_);
+  }
+
+  /** \brief Whether points are left out. */
+  bool
+  isSelective() const
+  {
+    return box_ || !keep_.empty() || !drop_.empty() || arguments_.thin > 0.0;
+  }
+
   PcdTable
   edit(PcdTable table)
   {
     const std::array<double, 7> viewpoint = table.viewpoint;
-    LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
-                                          mapping_ ? &*mapping_ : nullptr);
+    LabelledCloud cloud =
+        labelledCloudOf(std::move(table), arguments_.input, mapping());
     if (mapping_ && cloud.has_labels && cloud.table.find("label") < 0)
       refuseForProbabilities(arguments_.input, {"--label-mapping"});
     const pcl::Indices kept = keptPoints(cloud);
-    warnOf(cloud.table.doubts);
-    warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
+    if (!has_parts_) {
+      warnOf(cloud.table.doubts);
+      warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
+    }
     for (pcl::PointXYZRGBL& point : *cloud.cloud)
       point.label = relabelled_[point.label];
     table = cloud.table;
@@ -177,8 +210,11 @@ private:
         fail<BadInputException>(
             arguments_.input, ": has no field 'label' or 'probability', which ", option,
             " needs", textOfDoubts(cloud.table.doubts, arguments_.input));
-    const PlaceTest has_place(*cloud.cloud);
+    const PlaceTest test(*cloud.cloud);
     const CloudPositions positions(cloud);
+    const auto has_place = [&](const pcl::PointXYZRGBL& point) {
+      return test(point) && !(zero_is_none_ && isAtZero(point));
+    };
     pcl::Indices kept;
     for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
       const pcl::PointXYZRGBL& point = (*cloud.cloud)[i];
@@ -209,12 +245,13 @@ private:
 
   // Drops probabilities, which are of the old classes.
   PcdTable
-  withLabels(LabelledCloud& cloud) const
+  withLabels(LabelledCloud& cloud)
   {
     if (!arguments_.relabel.empty()) {
       if (cloud.distributions.classes() > 0) {
-        warn(arguments_.input + ": the output has no probabilities, because they do "
-                                "not fit the new labels");
+        if (!std::exchange(has_told_, true))
+          warn(arguments_.input + ": the output has no probabilities, because they do "
+                                  "not fit the new labels");
         cloud.table.removeColumns("probability");
       }
       cloud.distributions = LabelDistributions();
@@ -263,7 +300,59 @@ private:
   std::optional<Eigen::AlignedBox3d> box_;
   std::set<std::uint32_t> keep_, drop_;
   std::array<std::uint32_t, 256> relabelled_{};
+  bool has_parts_ = false, zero_is_none_ = false;
+  bool has_told_ = false; // that there are no probabilities
 };
+
+// Measured with 11 classes and colour (doc/formats.md).
+constexpr CloudNeeds kNeeds{0.0, 300.0};
+
+int
+finish(const Arguments& arguments, std::size_t before, std::size_t points)
+{
+  if (points == 0)
+    warn("no point is left");
+  printResults(
+      {{"points_before", before}, {"points", points}, {"cloud", arguments.output}});
+  return exit_done;
+}
+
+// Edits a binary .pcd in parts: blocks of the file, or tiles that do not cut the voxels
+// of thinning.
+int
+prepareParts(const Arguments& arguments, Editor& editor, std::size_t memory)
+{
+  PcdReader reader(arguments.input);
+  const CloudSurvey survey = surveyWithProgress(reader, editor.mapping(), false);
+  editor.setParts(survey.no_returns > 0);
+  CloudRowWriter writer(arguments.output, reader.size());
+  std::vector<std::uint64_t> numbers;
+  std::uint64_t points = 0;
+  const auto edit = [&](PcdTable part) {
+    const PcdTable edited = editor.edit(std::move(part));
+    numbers.resize(edited.points());
+    std::iota(numbers.begin(), numbers.end(), points);
+    points += numbers.size();
+    writer.append(edited, numbers);
+  };
+  if (arguments.thin > 0.0) {
+    TileOptions options;
+    options.voxel_size = arguments.thin;
+    options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
+    forEachTileOf(divideWithProgress(reader, survey, options, arguments.output),
+                  "thinning", [&](CloudTile tile) { edit(std::move(tile.table)); });
+  }
+  else
+    forEachBlock(reader, [&](std::size_t, PcdTable block) { edit(std::move(block)); });
+  PcdTable header = reader.header();
+  if (editor.isSelective()) {
+    header.width = pcl::uindex_t(points);
+    header.height = 1;
+    header.voxel_grid = {};
+  }
+  writer.write(header);
+  return finish(arguments, reader.size(), points);
+}
 
 int
 prepare(const Arguments& arguments)
@@ -272,17 +361,15 @@ prepare(const Arguments& arguments)
                   {arguments.output});
   requireOutput(arguments.output, ".pcd");
   Editor editor(arguments);
-  PcdTable table =
-      readCloudTable(arguments.input, parseScanColumns(arguments.scan_columns));
+  const std::size_t memory = memoryOf(arguments.memory);
+  const ScanColumns columns = parseScanColumns(arguments.scan_columns);
+  if (columns.empty() && needsTiles(arguments.input, kNeeds, memory))
+    return prepareParts(arguments, editor, memory);
+  PcdTable table = readCloudTable(arguments.input, columns);
   const std::size_t before = table.points();
   table = editor.edit(std::move(table));
-  if (table.points() == 0)
-    warn("no point is left");
   writeCloudTable(arguments.output, table);
-  printResults({{"points_before", before},
-                {"points", table.points()},
-                {"cloud", arguments.output}});
-  return exit_done;
+  return finish(arguments, before, table.points());
 }
 
 } // namespace

@@ -1,45 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
-#include "core/text_stream.h"
-#include "files/is_there.h"
+#include "crf_run.h"
 #include "image_tool.h"
+#include "io/cloud_row_writer.h"
+#include "large_cloud.h"
 #include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/crf_config.h>
-#include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/superpixels/clique_config.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <map>
+#include <cstddef>
 #include <optional>
+#include <string>
 
 namespace {
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
-
-struct Arguments {
-  std::string input, output, label_set, label_mapping, scan_columns, config;
-  bool states_confidence = false; ///< the user set the labels' confidence
-  CRFConfig parameters;
-
-  Arguments()
-  {
-    parameters.clique_words =
-        "cliques: none, field = field 'clique' of IN, planes[:EDGE [m]], "
-        "supervoxel[:SEED_DISTANCE [m]], cubes[:EDGE [m]], slic (organized clouds), "
-        "several of them, separated by commas, the first with priority, or a file with "
-        "the point indices of one clique per line";
-  }
-};
 
 const Usage usage{
     "pcl_semantic_crf",
@@ -65,13 +48,19 @@ colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)"
      {"appearance-weight 8", "weight of the appearance kernel"},
      {"clique-weight 2", "cost of a member whose label differs from its clique's"},
      {"label-confidence 0.8", "probability of the class of a label"},
+     {"memory GB", "a larger binary .pcd is refined in tiles"},
      {"threads 0", "number of threads; 0 = all processors"},
      {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
-Arguments
+CRFArguments
 parse(int argc, char** argv)
 {
-  Arguments arguments;
+  CRFArguments arguments;
+  arguments.parameters.clique_words =
+      "cliques: none, field = field 'clique' of IN, planes[:EDGE [m]], "
+      "supervoxel[:SEED_DISTANCE [m]], cubes[:EDGE [m]], slic (organized clouds), "
+      "several of them, separated by commas, the first with priority, or a file with "
+      "the point indices of one clique per line";
   bool print_config = false;
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
@@ -81,6 +70,7 @@ parse(int argc, char** argv)
         "label set (YAML), if the labels do not show the number of classes"},
        {"label-mapping", arguments.label_mapping, kLabelMappingHelp},
        {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
+       {"memory", arguments.memory, kMemoryHelp},
        {"config", arguments.config, "parameter file (.yaml); options override it"},
        {"print-config", print_config,
         "print the effective parameters as YAML and exit"}},
@@ -93,224 +83,54 @@ parse(int argc, char** argv)
   return arguments;
 }
 
-using Filter = SemanticCRF<pcl::PointXYZRGBL>;
-
-void
-setCliques(const std::string& cliques, const Arguments& arguments,
-           const LabelledCloud& input, Filter& crf)
+std::optional<LabelMapping>
+mappingOf(const CRFArguments& arguments)
 {
-  if (cliques == "none" || input.cloud->empty())
-    return;
-  const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
-  if (is_file && cliques.find_first_of("./") == std::string::npos && !isThere(cliques))
+  if (arguments.label_mapping.empty())
+    return std::nullopt;
+  return readLabelMapping(arguments.label_mapping, readLabelSet(arguments.label_set));
+}
+
+// Measured with 11 classes and colour (doc/crf.md#large-clouds).
+constexpr CloudNeeds kNeeds{1.4e9, 330.0};
+
+// The tiles of a binary .pcd, which are refined one after the other.
+int
+refineTiles(const CRFArguments& arguments, const LabelMapping* mapping,
+            std::size_t memory)
+{
+  const std::string& cliques = arguments.parameters.cliques;
+  if (cliques != "none" && cliques != "field" && !namesCloudCliques(cliques))
     fail<InvalidParameterException>(
-        "cliques are '", cliques,
-        "', expected none, field, planes[:EDGE], supervoxel[:DISTANCE], cubes[:EDGE], "
-        "slic or a file");
-  if (cliques == "field" && input.table.find("clique") < 0)
-    fail<BadInputException>(arguments.input, ": has no field 'clique'");
-  if (cliques == "field")
-    crf.setCliques(input.cliques);
-  else if (namesCloudCliques(cliques)) {
-    // The CRF moves voxels to their centres.
-    const auto means = std::make_shared<CliqueGenerator::Cloud>();
-    pcl::copyPointCloud(*input.cloud, *means);
-    const CliqueGenerator::Ptr generator = makeCliqueGenerator(cliques);
-    generator->setMeanPositions(means, input.table.voxel_grid[0]);
-    crf.setCliqueGenerator(generator);
-  }
-  else
-    crf.setCliques(readCliques(cliques, input.cloud->size()));
-}
-
-// Number of classes of the label set that the labels must belong to.
-int
-sizeOfLabelSet(const Arguments& arguments, const LabelledCloud& input)
-{
-  const int classes = readLabelSet(arguments.label_set).size();
-  for (std::size_t i = 0; i < input.cloud->size(); ++i)
-    if ((*input.cloud)[i].label > std::uint32_t(classes))
-      fail<BadInputException>(
-          arguments.input, ": label ", (*input.cloud)[i].label, " of point ", i,
-          " is beyond the ", classes,
-          " classes of --label-set; other numbers need --label-mapping");
-  return classes;
-}
-
-void
-setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& crf)
-{
-  const int found = input.distributions.classes();
-  int classes = found;
-  if (!arguments.label_set.empty())
-    classes = sizeOfLabelSet(arguments, input);
-  else if (found == 0)
-    for (const pcl::PointXYZRGBL& point : *input.cloud)
-      classes = std::max({classes, 1, int(point.label)});
-  if (found == 0 && !input.has_labels && !input.cloud->empty())
-    fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'",
-                            textOfDoubts(input.table.doubts, arguments.input));
-  if (found > 0 && found != classes)
-    fail<BadInputException>(arguments.input, ": has probabilities of ", found,
-                            " classes, expected ", classes);
-  std::vector<std::string> of_labels;
-  if (arguments.states_confidence)
-    of_labels.emplace_back("--label-confidence");
-  if (!arguments.label_mapping.empty())
-    of_labels.emplace_back("--label-mapping");
-  if (found > 0)
-    refuseForProbabilities(arguments.input, of_labels);
-  if (found > 0)
-    crf.setLabelDistributions(input.distributions);
-  else
-    crf.setLabelConfidence(arguments.parameters.label_confidence, std::max(1, classes));
-}
-
-// A map contains the entropy of each voxel.
-void
-setEntropies(LabelledCloud& cloud)
-{
-  if (cloud.table.find("entropy") < 0)
-    return;
-  std::vector<float> entropies(cloud.cloud->size());
-  for (std::size_t i = 0; i < entropies.size(); ++i)
-    entropies[i] = cloud.distributions.entropy(Eigen::Index(i));
-  cloud.table.setColumn("entropy", entropies);
-}
-
-// Counts points without preference: uniform distributions are as uninformative as none.
-std::size_t
-countWithoutPreference(const LabelledCloud& input)
-{
-  if (input.distributions.classes() == 0) // hard labels
-    return std::size_t(std::count_if(
-        input.cloud->begin(), input.cloud->end(),
-        [](const pcl::PointXYZRGBL& point) { return point.label == kUnlabelled; }));
-  std::size_t count = 0;
-  const auto& matrix = input.distributions.matrix();
-  for (Eigen::Index i = 0; i < matrix.cols(); ++i)
-    count += matrix.col(i).maxCoeff() - matrix.col(i).minCoeff() < 1e-6f;
-  return count;
-}
-
-using Labels = std::vector<std::uint32_t>;
-
-Labels
-labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
-{
-  Labels labels;
-  for (const pcl::PointXYZRGBL& point : cloud)
-    labels.push_back(point.label);
-  return labels;
-}
-
-// Counts changed labels by old class: "12 of building, 3 of road", or numbers for
-// labels without names. Empty if there are too many classes.
-std::string
-textOfChanges(const Labels& before, const Labels& now, const std::string& label_set)
-{
-  std::map<std::uint32_t, std::size_t> changed;
-  for (std::size_t i = 0; i < now.size(); ++i)
-    if (now[i] != before[i])
-      ++changed[before[i]];
-  if (changed.size() > 30)
-    return {};
-  std::optional<LabelSet> names;
-  if (!label_set.empty())
-    names = readLabelSet(label_set);
-  TextStream text;
-  for (const auto& [label, number] : changed)
-    text << (text.tellp() > 0 ? ", " : "") << number << " of "
-         << (names ? (*names)[Label(label)].name : std::to_string(label));
-  return text.str();
-}
-
-// Warns of results that the user may not expect.
-void
-warnOfResult(const Arguments& arguments, const LabelledCloud& input,
-             std::size_t without_preference, const CRFReport& report,
-             std::size_t changed)
-{
-  const SemanticCRFParameters& crf = arguments.parameters.parameters;
-  const std::size_t points = input.cloud->size();
-  if (points == 0)
-    return;
-  if (without_preference == points)
-    warn(arguments.input + ": no point has a label, or all classes are equally likely; "
-                           "the CRF has no effect");
-  else if (changed == 0)
-    warn("no label changed; larger --smoothness-weight and --appearance-weight "
-         "change more");
-  if (!(report.spacing > 0.0))
-    return;
-  const double widest = report.extent > 0.0 ? report.extent : 50.0 * report.spacing;
-  for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
-    if (deviation != 0.0 && (deviation < 0.5 * report.spacing || deviation > widest)) {
-      SemanticCRFParameters defaults;
-      defaults.sensor = crf.sensor;
-      defaults = defaults.resolved(report.spacing, input.has_colour, report.extent);
-      TextStream text;
-      text << arguments.input << ": ";
-      if (deviation > widest && report.extent > 0.0)
-        text << "half of the points lie within " << report.extent << " of the middle";
-      else
-        text << "points lie " << report.spacing
-             << " apart (median of fourth neighbours)";
-      text << ", so a deviation of " << deviation << " is too "
-           << (deviation > widest ? "large" : "small")
-           << "; is the cloud in metres? The defaults of --smoothness-deviation and "
-              "--appearance-deviation are "
-           << defaults.smoothness_deviation << " and " << defaults.appearance_deviation;
-      return warn(text.str());
-    }
-}
-
-// Runs the filter over the cloud and returns its results.
-Results
-filter(const Arguments& arguments, LabelledCloud& input)
-{
-  Filter crf;
-  crf.setModel(arguments.parameters.model);
-  crf.setParameters(arguments.parameters.parameters);
-  if (!arguments.label_set.empty())
-    crf.setThinLabels(readLabelSet(arguments.label_set).thinLabels());
-  setCliques(arguments.parameters.cliques, arguments, input, crf);
-  moveToVoxelCentres(input);
-  setMeasurements(arguments, input, crf);
-  crf.setUseColour(input.has_colour);
-  crf.setOrigin(input.origin);
-  crf.setInputCloud(input.cloud);
-  const Labels before = labelsOf(*input.cloud);
-  try {
-    crf.filter(*input.cloud);
-  }
-  catch (const BadInputException& error) { // the filter does not report the file
-    fail<BadInputException>(arguments.input, ": ", error.what());
-  }
-  const Labels now = labelsOf(*input.cloud);
-  std::size_t changed = 0;
-  for (std::size_t i = 0; i < now.size(); ++i)
-    changed += now[i] != before[i];
-  const std::size_t without_preference = countWithoutPreference(input);
-  input.distributions = crf.getLabelDistributions();
-  const CRFReport& report = crf.getReport();
-  warnOfResult(arguments, input, without_preference, report, changed);
-  Results results{{"points", input.cloud->size()}, {"changed", changed}};
-  const std::string changes = textOfChanges(before, now, arguments.label_set);
-  if (!changes.empty())
-    results.push_back({"changed_of_classes", changes});
-  const Results rest{{"without_place", crf.getSkippedPoints()},
-                     {"without_measurement", report.unlabelled},
-                     {"cliques", report.cliques},
-                     {"cliques_without_points", report.skipped_cliques},
-                     {"updates", std::size_t(report.updates)},
-                     {"cloud", arguments.output}};
-  results.insert(results.end(), rest.begin(), rest.end());
-  return results;
+        "cliques from the file ", cliques,
+        " need the whole cloud in memory: a larger "
+        "--memory, or the field 'clique' and --cliques field");
+  PcdReader reader(arguments.input);
+  const CloudSurvey survey = surveyWithProgress(reader, mapping, true);
+  CRFRun run(arguments, inputOf(survey));
+  TileOptions options;
+  options.reach = run.setWhole(survey);
+  options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
+  const CloudTiles tiles =
+      divideWithProgress(reader, survey, options, arguments.output);
+  note(std::to_string(tiles.size()) + " tiles of up to " +
+       std::to_string(options.most) + " points with the " + shown(options.reach) +
+       " m around them");
+  CloudRowWriter writer(arguments.output, reader.size());
+  const std::optional<LabelMapping> same = mappingOf(arguments); // counts apart
+  forEachTileOf(tiles, "refining", [&](CloudTile tile) {
+    LabelledCloud cloud = labelledCloudOf(std::move(tile.table), arguments.input,
+                                          same ? &*same : nullptr);
+    run.refine(cloud, tile.numbers.size());
+    writer.append(tableOf(cloud, arguments.output), tile.numbers);
+  });
+  writer.write(reader.header());
+  run.report();
+  return exit_done;
 }
 
 int
-refine(const Arguments& arguments)
+refine(const CRFArguments& arguments)
 {
   refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
   const CRFConfig& config = arguments.parameters;
@@ -322,25 +142,23 @@ refine(const Arguments& arguments)
   config.requireFittingCliques();
   requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
-  std::optional<LabelMapping> mapping;
+  const std::size_t memory = memoryOf(arguments.memory);
+  const std::optional<LabelMapping> mapping = mappingOf(arguments);
   MappingWatch watch;
-  if (!arguments.label_mapping.empty()) {
-    mapping =
-        readLabelMapping(arguments.label_mapping, readLabelSet(arguments.label_set));
+  if (mapping)
     watch = MappingWatch(arguments.label_mapping, *mapping, "points");
-  }
+  const ScanColumns columns = parseScanColumns(arguments.scan_columns);
+  if (columns.empty() && needsTiles(arguments.input, kNeeds, memory))
+    return refineTiles(arguments, mapping ? &*mapping : nullptr, memory);
   LabelledCloud cloud =
-      readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
-                        parseScanColumns(arguments.scan_columns));
+      readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr, columns);
   const std::size_t no_returns = countNoReturns(*cloud.cloud);
-  const Results report = filter(arguments, cloud);
+  CRFRun run(arguments, inputOf(cloud));
+  run.refine(cloud, cloud.cloud->size());
   warnOf(cloud.table.doubts);
   warnOfNoReturns(arguments.input, no_returns);
-  setEntropies(cloud);
-  if (cloud.cloud->empty())
-    warn(arguments.input + ": no point is left");
   writeLabelledCloud(arguments.output, cloud);
-  printResults(report);
+  run.report();
   return exit_done;
 }
 

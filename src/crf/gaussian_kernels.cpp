@@ -2,6 +2,7 @@
 #include <pcl_semantic/crf/gaussian_kernels.h>
 
 #include "core/fail.h"
+#include "core/point_spacing.h"
 #include "lattice_kernel.h"
 #include "requirements.h"
 #include "truncated_kernel.h"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 
 namespace pcl_semantic {
 
@@ -52,12 +52,18 @@ validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
     requirePositive(deviation, "position deviation");
 }
 
+// \param[in] density see GaussianKernels::choose()
 std::vector<KernelMethod>
 methodsFor(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
-           const GaussianKernelOptions& options)
+           const GaussianKernelOptions& options, double density)
 {
   validate(positions, deviations, options);
   const Eigen::Matrix3Xf points = inSpace(positions);
+  const auto hasFewNeighbours = [&](float deviation) {
+    const double others =
+        GaussianKernels::meanNeighbours(points, options.radius * deviation) - 1.0;
+    return 1.0 + others * density <= GaussianKernels::max_neighbours;
+  };
   std::vector<KernelMethod> methods;
   for (std::size_t m = 0; m < deviations.size(); ++m) {
     const float deviation = deviations[m];
@@ -66,14 +72,23 @@ methodsFor(const Eigen::MatrixXf& positions, const std::vector<float>& deviation
       method = methods[m - 1];
     else if (method == KernelMethod::automatic)
       method =
-          TruncatedKernel::canHold(points, deviation) &&
-                  GaussianKernels::meanNeighbours(points, options.radius * deviation) <=
-                      GaussianKernels::max_neighbours
-              ? KernelMethod::truncated
-              : KernelMethod::lattice;
+          hasFewNeighbours(deviation) ? KernelMethod::truncated : KernelMethod::lattice;
     methods.push_back(method);
   }
   return methods;
+}
+
+// Terms of wide clouds have lattices, if the method is automatic.
+void
+holdAll(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
+        const GaussianKernelOptions& options, std::vector<KernelMethod>& methods)
+{
+  if (options.method != KernelMethod::automatic)
+    return;
+  const Eigen::Matrix3Xf points = inSpace(positions);
+  for (std::size_t m = 0; m < methods.size(); ++m)
+    if (!TruncatedKernel::canHold(points, deviations[m]))
+      methods[m] = KernelMethod::lattice;
 }
 
 } // namespace
@@ -91,21 +106,20 @@ GaussianTerm::validate(Eigen::Index points) const
 GaussianKernels::Choice
 GaussianKernels::choose(const Eigen::MatrixXf& positions,
                         const std::vector<GaussianTerm>& terms,
-                        const GaussianKernelOptions& options)
+                        const GaussianKernelOptions& options, double density)
 {
   std::vector<float> deviations;
   for (const GaussianTerm& term : terms)
     deviations.push_back(term.position_deviation);
   Choice choice;
-  choice.methods = methodsFor(positions, deviations, options);
-  for (std::size_t m = 0; m < terms.size(); ++m) {
-    const GaussianTerm& term = terms[m];
-    const bool has_lattice = choice.methods[m] == KernelMethod::lattice;
-    Eigen::VectorXf lows(has_lattice ? positions.rows() + term.features.rows() : 0);
-    if (has_lattice && positions.cols() > 0)
+  choice.methods = methodsFor(positions, deviations, options, density);
+  for (const GaussianTerm& term : terms) {
+    Eigen::VectorXf lows =
+        Eigen::VectorXf::Zero(positions.rows() + term.features.rows());
+    if (positions.cols() > 0)
       lows.head(positions.rows()) =
           (positions / term.position_deviation).rowwise().minCoeff();
-    if (has_lattice && term.features.size() > 0)
+    if (term.features.size() > 0)
       lows.tail(term.features.rows()) = term.features.rowwise().minCoeff();
     choice.lows.push_back(std::move(lows));
   }
@@ -116,7 +130,7 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
                                  const std::vector<float>& deviations,
                                  const GaussianKernelOptions& options)
     : GaussianKernels(positions, deviations, options,
-                      Choice{methodsFor(positions, deviations, options), {}})
+                      Choice{methodsFor(positions, deviations, options, 1.0), {}})
 {}
 
 GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
@@ -127,6 +141,7 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
   if (choice_.methods.size() != deviations.size())
     badParameter(choice_.methods.size(), " methods of kernels, expected ",
                  deviations.size());
+  holdAll(positions, deviations, options, choice_.methods);
   float widest = 0.0f; // of the truncated terms
   for (std::size_t m = 0; m < deviations.size(); ++m)
     if (choice_.methods[m] == KernelMethod::truncated)
@@ -173,13 +188,11 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   const Eigen::Index count = positions.cols();
   if (count == 0)
     return 0.0;
-  // All points or a random sample: a regular sample would align with the rows of an
-  // image.
-  PointsByRow others(3, std::min(count, max_others));
-  std::minstd_rand random;
+  const std::vector<Eigen::Index> sample =
+      sampleByPosition(positions, std::size_t(max_others));
+  PointsByRow others(3, Eigen::Index(sample.size()));
   for (Eigen::Index i = 0; i < others.cols(); ++i)
-    others.col(i) =
-        positions.col(count > max_others ? Eigen::Index(random()) % count : i);
+    others.col(i) = positions.col(sample[std::size_t(i)]);
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)

@@ -20,7 +20,7 @@ constexpr std::size_t tile_points = 2048;
 constexpr std::size_t bucket_vertices = 4096;
 
 /** \brief The minimum of the features and their extents.
- * \param[in] lows of the features of a larger set; empty = of these
+ * \param[in] given_lows of the features of a larger set; empty = of these
  * \throws InvalidParameterException as PermutohedralLattice */
 kernels::LatticeFrame
 frameOf(const Features& features, const Eigen::VectorXf& given_lows, double* extents)
@@ -35,7 +35,7 @@ frameOf(const Features& features, const Eigen::VectorXf& given_lows, double* ext
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < d; ++k)
     if (features.cols() > 0) {
-      lows[k] = given_lows.size() > 0 ? given_lows[k] : features.row(k).minCoeff();
+      lows[k] = features.row(k).minCoeff();
       highs[k] = features.row(k).maxCoeff();
     }
   kernels::LatticeFrame frame = {};
@@ -44,9 +44,15 @@ frameOf(const Features& features, const Eigen::VectorXf& given_lows, double* ext
     // Features are often on a grid. If its corner were the lattice's corner, they would
     // lie between simplices, and rounding would select one.
     const double offset = std::fmod(0.618033988749895 * double(k + 1), 1.0);
-    frame.low[k] = double(lows[k]) - offset;
-    extents[k] = double(highs[k]) - frame.low[k];
     frame.scale[k + 1] = std::sqrt(2.0 / (3.0 * double(k + 1) * double(k + 2)));
+    frame.low[k] = double(lows[k]) - offset;
+    if (given_lows.size() > 0) {
+      // The lattice is the same after whole periods of 1 / scale along a feature.
+      const double given = double(given_lows[k]) - offset;
+      const double periods = std::floor((frame.low[k] - given) * frame.scale[k + 1]);
+      frame.low[k] = given + periods / frame.scale[k + 1];
+    }
+    extents[k] = double(highs[k]) - frame.low[k];
     constexpr double most = double(1 << 28);
     if (extents[k] > most)
       badParameter("feature ", k, " spans ", extents[k],

@@ -34,7 +34,7 @@ struct PermutohedralLattice {
   /** \param[in] features d x N, divided by their deviations; d is 1 to 16
    * \param[in] tier instructions to use; for tests
    * \param[in] lows minimum of each feature in a set of which these points are a part:
-   * the lattice is then that of the set; empty = of these points
+   * the lattice then has the vertices of that of the set; empty = of these points
    * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
    * features span too many deviations for unique vertex keys (128 bits). The limit is
    * at least 50 for d = 16 and larger for smaller d. */

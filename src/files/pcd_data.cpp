@@ -118,27 +118,6 @@ decodeAscii(const std::string& path, const PcdHeader& header, std::string_view f
   return data;
 }
 
-// PCL pads the last page of a file with zeros; pages have up to 64 KiB.
-void
-checkBehindData(const std::string& path, std::string_view rest)
-{
-  constexpr std::size_t most = 65536;
-  if (rest.size() > most || rest.find_first_not_of('\0') != std::string_view::npos)
-    badInput(path, ": has ", rest.size(), " bytes behind the data of its points");
-}
-
-// Bytes of all points. No overflow: points < 2^64 and the file size are compared before
-// multiplication.
-std::size_t
-dataSize(const std::string& path, const PcdTable& table, std::size_t available)
-{
-  const std::size_t points = table.points(), size = table.point_step;
-  if (points > available / size)
-    badInput(path, ": holds ", available, " bytes of data, expected ", points,
-             " points of ", size, " bytes");
-  return points * size;
-}
-
 std::uint32_t
 readUint32(std::string_view bytes)
 {
@@ -207,8 +186,8 @@ decodeCompressed(const std::string& path, const PcdTable& table, std::string_vie
   if (packed_size > data.size())
     badInput(path, ": holds ", data.size(), " bytes of compressed data, expected ",
              packed_size);
-  checkBehindData(path, data.substr(packed_size));
-  const std::size_t expected = dataSize(path, table, packed_size * max_expansion);
+  checkBehindData(path, data.size() - packed_size, data.substr(packed_size));
+  const std::size_t expected = binarySize(path, table, packed_size * max_expansion);
   if (unpacked_size != expected)
     badInput(path, ": its compressed data are ", unpacked_size,
              " bytes long, expected ", expected, " for ", table.points(), " points");
@@ -220,6 +199,24 @@ decodeCompressed(const std::string& path, const PcdTable& table, std::string_vie
 
 } // namespace
 
+// No overflow: points < 2^64 and the file size are compared before multiplication.
+std::size_t
+binarySize(const std::string& path, const PcdTable& table, std::size_t available)
+{
+  const std::size_t points = table.points(), size = table.point_step;
+  if (points > available / size)
+    badInput(path, ": holds ", available, " bytes of data, expected ", points,
+             " points of ", size, " bytes");
+  return points * size;
+}
+
+void
+checkBehindData(const std::string& path, std::size_t size, std::string_view first)
+{
+  if (size > kMaxBehindData || first.find_first_not_of('\0') != std::string_view::npos)
+    badInput(path, ": has ", size, " bytes behind the data of its points");
+}
+
 std::vector<std::uint8_t>
 decodeData(const std::string& path, const PcdHeader& header,
            std::vector<std::uint8_t> file)
@@ -229,8 +226,8 @@ decodeData(const std::string& path, const PcdHeader& header,
   const std::string_view data = textOf(file).substr(header.data_offset);
   if (header.encoding == PcdEncoding::binary_compressed)
     return decodeCompressed(path, header.table, data);
-  const std::size_t size = dataSize(path, header.table, data.size());
-  checkBehindData(path, data.substr(size));
+  const std::size_t size = binarySize(path, header.table, data.size());
+  checkBehindData(path, data.size() - size, data.substr(size));
   file.erase(file.begin(), file.begin() + std::ptrdiff_t(header.data_offset));
   file.resize(size);
   return file;

@@ -7,6 +7,7 @@
 #include "core/parallel_guard.h"
 #include "core/point_spacing.h"
 #include "element_crf.h"
+#include "element_model.h"
 
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/position_steps.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace pcl_semantic {
 
@@ -106,39 +108,43 @@ requireSize(const char* what, std::size_t size, std::size_t points)
                  points);
 }
 
-// \param[in] voxels of all points; empty = use the positions of the fields
+// Elements without positions.
 CRFElements
-elementsOf(const CloudFields& fields, const pcl::Indices& indices,
-           const std::vector<VoxelIndex>& voxels, double voxel_size)
+elementsWithColours(const CloudFields& fields, const pcl::Indices& indices)
 {
   CRFElements elements;
   elements.total = fields.labels.size();
   elements.indices = indices;
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  elements.positions.resize(3, count);
+  elements.positions.resize(3, Eigen::Index(indices.size()));
   if (fields.colours.size() > 0)
-    elements.colours.resize(3, count);
-  // The median as origin keeps single precision for clouds far from 0. Unlike the first
-  // point or the mean, it depends neither on the order nor on outliers.
-  const Eigen::Vector3f middle =
-      voxels.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
-  const VoxelIndex corner =
-      voxels.empty() ? VoxelIndex::Zero().eval() : cornerOf(voxels, indices);
+    elements.colours = gather(fields.colours, indices);
+  return elements;
+}
+
+// \param[in] middle of the positions
+CRFElements
+pointElements(const CloudFields& fields, const pcl::Indices& indices,
+              const Eigen::Vector3f& middle)
+{
+  CRFElements elements = elementsWithColours(fields, indices);
 #pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index i = indices[std::size_t(k)];
-    if (voxels.empty())
-      elements.positions.col(k) = fields.positions.col(i) - middle;
-    else
-      elements.positions.col(k) =
-          ((voxels[std::size_t(i)] - corner).cast<double>() * voxel_size).cast<float>();
-    if (fields.colours.size() > 0)
-      elements.colours.col(k) = fields.colours.col(i);
-  }
-  elements.spacing =
-      voxels.empty() ? double(pointSpacing(elements.positions)) : voxel_size;
-  if (voxels.empty())
-    elements.extent = extentOf(elements.positions);
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    elements.positions.col(Eigen::Index(k)) = fields.positions.col(indices[k]) - middle;
+  return elements;
+}
+
+CRFElements
+voxelElements(const CloudFields& fields, const pcl::Indices& indices,
+              const std::vector<VoxelIndex>& voxels, double voxel_size)
+{
+  CRFElements elements = elementsWithColours(fields, indices);
+  const VoxelIndex corner = cornerOf(voxels, indices);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    elements.positions.col(Eigen::Index(k)) =
+        ((voxels[std::size_t(indices[k])] - corner).cast<double>() * voxel_size)
+            .cast<float>();
+  elements.spacing = voxel_size;
   return elements;
 }
 
@@ -180,6 +186,53 @@ CloudCRF::setOrigin(const Eigen::Vector3d& origin)
     badParameter("the origin of the clouds is not finite");
   origin_ = origin;
   judges_steps_ = false;
+}
+
+double
+CloudCRF::setWhole(const CloudSample& whole)
+{
+  CRFElements sample;
+  sample.positions = whole.positions;
+  if (use_colour_)
+    sample.colours = whole.colours;
+  sample.spacing = whole.spacing;
+  pcl::Indices all(std::size_t(whole.positions.cols()));
+  std::iota(all.begin(), all.end(), 0);
+  if (!all.empty())
+    sample.extent =
+        extentOf(whole.positions.colwise() - medianOf(whole.positions, all));
+  const double density =
+      double(whole.points) / double(std::max<std::size_t>(all.size(), 1));
+  const KernelChoice kernels = chooseKernels(terms_, sample, density);
+  whole_ = Whole{sample.spacing, sample.extent, kernels.choice.methods,
+                 whole.origin + whole.low.cast<double>(), whole.colour_low};
+  return kernels.reach * haloOf(whole.unlabelled, whole.points,
+                                resolvedFor(sample, terms_.parameters).iterations);
+}
+
+CRFElements
+CloudCRF::elementsOf(const CloudFields& fields, const pcl::Indices& indices) const
+{
+  if (!voxels_.empty())
+    return voxelElements(fields, indices, voxels_, voxel_size_);
+  // The median as origin keeps single precision for clouds far from 0. Unlike the first
+  // point or the mean, it depends neither on the order nor on outliers.
+  const Eigen::Vector3f middle = medianOf(fields.positions, indices);
+  CRFElements elements = pointElements(fields, indices, middle);
+  if (!whole_) {
+    elements.spacing = double(pointSpacing(elements.positions));
+    elements.extent = extentOf(elements.positions);
+    elements.tile_size = tile_size_;
+    return elements;
+  }
+  elements.spacing = whole_->spacing;
+  elements.extent = whole_->extent;
+  const Eigen::Vector3d low = whole_->low - fields.origin - middle.cast<double>();
+  elements.choice = choiceFor(
+      resolvedFor(elements, terms_.parameters), whole_->methods, low.cast<float>(),
+      elements.colours.size() > 0 ? Eigen::MatrixXf(whole_->colour_low)
+                                  : Eigen::MatrixXf());
+  return elements;
 }
 
 std::vector<std::uint32_t>
@@ -310,9 +363,7 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
   }
   CRFElements elements;
   if (!valid.empty())
-    elements = elementsOf(fields, valid, voxels_, voxel_size_);
-  if (voxels_.empty())
-    elements.tile_size = tile_size_;
+    elements = elementsOf(fields, valid);
   fields.positions.resize(3, 0);
   fields.colours.resize(3, 0);
   report_ = refineElements(terms_, cliques, elements, refined_);

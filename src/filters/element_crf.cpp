@@ -95,16 +95,6 @@ adjustLogits(const pcl::Indices& indices, const Eigen::VectorXd& frequencies,
   }
 }
 
-// Width of a tile's halo, in reaches of the kernels (doc/crf.md#large-clouds). Labels
-// spread into unlabelled points by one reach an update. One more reach than updates is
-// exact for truncated kernels, but can make the halo larger than the tile.
-double
-tileHalo(std::size_t unlabelled, std::size_t elements, int updates)
-{
-  constexpr std::size_t few = 10000; // elements for each unlabelled one
-  return updates > 3 || unlabelled > elements / few ? updates + 1.0 : 1.5;
-}
-
 struct ResultOptions {
   double temperature;
   std::vector<Label> kept; // SemanticCRFParameters::keep_thin applies to these classes
@@ -162,7 +152,8 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
 }
 
 CRFElements
-partOf(const CRFElements& elements, const ElementTile& tile)
+partOf(const CRFElements& elements, const ElementTile& tile,
+       const GaussianKernels::Choice& choice)
 {
   pcl::Indices columns = tile.own;
   columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
@@ -176,6 +167,7 @@ partOf(const CRFElements& elements, const ElementTile& tile)
     part.colours = gather(elements.colours, columns);
   part.spacing = elements.spacing;
   part.extent = elements.extent;
+  part.choice = choice;
   return part;
 }
 
@@ -184,8 +176,7 @@ refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements
             const ResultOptions& options, CRFReport& report,
             LabelDistributions& distributions)
 {
-  MeanField inference(
-      buildModel(terms, cliques, elements, distributions, nullptr, report));
+  MeanField inference(buildModel(terms, cliques, elements, distributions, report));
   inference.run(report.updates);
   writeResult(inference.marginals(), elements.indices, {}, options, distributions,
               distributions);
@@ -203,26 +194,25 @@ refineTiles(const CRFTerms& terms, CRFElements& elements, const ResultOptions& o
     for (const pcl::index_t k : tile.own)
       is_own[std::size_t(elements.indices[std::size_t(k)])] = value;
   };
-  const double reach =
-      tileHalo(report.unlabelled, elements.indices.size(), report.updates) *
-      kernels.reach;
+  TileLimits limits;
+  limits.reach = haloOf(report.unlabelled, elements.indices.size(), report.updates) *
+                 kernels.reach;
+  limits.most = elements.tile_size;
   bool is_whole = false;
-  forEachTile(elements.positions, reach, elements.tile_size,
-              [&](const ElementTile& tile) {
-                is_whole = tile.own.size() == elements.indices.size();
-                if (is_whole)
-                  return;
-                if (refined.empty())
-                  refined = distributions;
-                CRFElements part = partOf(elements, tile);
-                mark(tile, 1);
-                MeanField inference(buildModel(terms, nullptr, part, distributions,
-                                               &kernels.choice, report));
-                inference.run(report.updates);
-                writeResult(inference.marginals(), part.indices, is_own, options,
-                            distributions, refined);
-                mark(tile, 0);
-              });
+  forEachTile(elements.positions, limits, [&](const ElementTile& tile) {
+    is_whole = tile.own.size() == elements.indices.size();
+    if (is_whole)
+      return;
+    if (refined.empty())
+      refined = distributions;
+    CRFElements part = partOf(elements, tile, kernels.choice);
+    mark(tile, 1);
+    MeanField inference(buildModel(terms, nullptr, part, distributions, report));
+    inference.run(report.updates);
+    writeResult(inference.marginals(), part.indices, is_own, options, distributions,
+                refined);
+    mark(tile, 0);
+  });
   if (is_whole)
     refineWhole(terms, nullptr, elements, options, report, distributions);
   else

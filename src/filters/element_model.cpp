@@ -104,14 +104,14 @@ gaussianTerms(const SemanticCRFParameters& parameters, const Eigen::MatrixXf& co
 }
 
 GaussianKernels
-makeKernels(const CRFElements& elements, const SemanticCRFParameters& parameters,
-            const GaussianKernels::Choice* choice)
+makeKernels(const CRFElements& elements, const SemanticCRFParameters& parameters)
 {
   const std::vector<float> deviations =
       deviationsOf(gaussianTerms(parameters, elements.colours));
   const GaussianKernelOptions options = kernelOptions(parameters);
-  return choice ? GaussianKernels(elements.positions, deviations, options, *choice)
-                : GaussianKernels(elements.positions, deviations, options);
+  return elements.choice ? GaussianKernels(elements.positions, deviations, options,
+                                           *elements.choice)
+                         : GaussianKernels(elements.positions, deviations, options);
 }
 
 class ModelBuilder {
@@ -119,12 +119,10 @@ public:
   /** \brief Sorts the elements into an order that suits the kernels.
    * \param[in] measured of all elements */
   ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-               const LabelDistributions& measured,
-               const GaussianKernels::Choice* choice)
+               const LabelDistributions& measured)
       : terms_(terms), cliques_(cliques),
         parameters_(resolvedFor(elements, terms.parameters)), elements_(elements),
-        measured_(measured),
-        gaussian_kernels_(makeKernels(elements, parameters_, choice))
+        measured_(measured), gaussian_kernels_(makeKernels(elements, parameters_))
   {
     if (!gaussian_kernels_.fastestOrder().empty())
       reorder(gaussian_kernels_.fastestOrder());
@@ -251,7 +249,7 @@ private:
 } // namespace
 
 Eigen::MatrixXf
-gather(const Eigen::MatrixXf& matrix, const pcl::Indices& columns)
+gather(const Eigen::Ref<const Eigen::MatrixXf>& matrix, const pcl::Indices& columns)
 {
   Eigen::MatrixXf result(matrix.rows(), Eigen::Index(columns.size()));
 #pragma omp parallel for schedule(static)
@@ -261,14 +259,14 @@ gather(const Eigen::MatrixXf& matrix, const pcl::Indices& columns)
 }
 
 KernelChoice
-chooseKernels(const CRFTerms& terms, const CRFElements& elements)
+chooseKernels(const CRFTerms& terms, const CRFElements& elements, double density)
 {
   const SemanticCRFParameters parameters = resolvedFor(elements, terms.parameters);
   const std::vector<GaussianTerm> gaussians =
       gaussianTerms(parameters, elements.colours);
   KernelChoice kernels;
-  kernels.choice =
-      GaussianKernels::choose(elements.positions, gaussians, kernelOptions(parameters));
+  kernels.choice = GaussianKernels::choose(elements.positions, gaussians,
+                                           kernelOptions(parameters), density);
   for (std::size_t m = 0; m < gaussians.size(); ++m) {
     const double radius =
         kernels.choice.methods[m] == KernelMethod::lattice ? 3.0 : parameters.radius;
@@ -278,12 +276,31 @@ chooseKernels(const CRFTerms& terms, const CRFElements& elements)
   return kernels;
 }
 
+GaussianKernels::Choice
+choiceFor(const SemanticCRFParameters& resolved,
+          const std::vector<KernelMethod>& methods, const Eigen::MatrixXf& low,
+          const Eigen::MatrixXf& colour_low)
+{
+  GaussianKernels::Choice choice = GaussianKernels::choose(
+      low, gaussianTerms(resolved, colour_low), kernelOptions(resolved));
+  choice.methods = methods;
+  return choice;
+}
+
+double
+haloOf(std::size_t unlabelled, std::size_t elements, int updates)
+{
+  // Labels spread into unlabelled points by one reach an update. One more reach than
+  // updates is exact for truncated kernels, but can make the halo larger than the tile.
+  constexpr std::size_t few = 10000; // elements for each unlabelled one
+  return updates > 3 || unlabelled > elements / few ? updates + 1.0 : 1.5;
+}
+
 CrfModel
 buildModel(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
-           const LabelDistributions& measured, const GaussianKernels::Choice* choice,
-           CRFReport& report)
+           const LabelDistributions& measured, CRFReport& report)
 {
-  return ModelBuilder(terms, cliques, elements, measured, choice).build(report);
+  return ModelBuilder(terms, cliques, elements, measured).build(report);
 }
 
 } // namespace pcl_semantic

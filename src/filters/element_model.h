@@ -5,6 +5,8 @@
 
 #include <pcl_semantic/crf/crf_model.h>
 
+#include <vector>
+
 namespace pcl_semantic {
 
 /** \brief Smallest probability of a measurement, eq. (4). */
@@ -17,18 +19,35 @@ struct KernelChoice {
   double reach = 0.0;
 };
 
-/** \brief Chooses the kernels of all elements, for models of parts of them. */
-KernelChoice chooseKernels(const CRFTerms& terms, const CRFElements& elements);
+/** \brief Chooses the kernels of all elements, for models of parts of them.
+ * \param[in] density as in GaussianKernels::choose() */
+KernelChoice chooseKernels(const CRFTerms& terms, const CRFElements& elements,
+                           double density = 1.0);
+
+/** \brief The choice for a part of a cloud.
+ * \param[in] methods of the terms
+ * \param[in] low least coordinates of the cloud, in the frame of the part
+ * \param[in] colour_low least colours of the cloud; empty = no colour */
+GaussianKernels::Choice choiceFor(const SemanticCRFParameters& resolved,
+                                  const std::vector<KernelMethod>& methods,
+                                  const Eigen::MatrixXf& low,
+                                  const Eigen::MatrixXf& colour_low);
+
+/** \brief Width of the surroundings that a part of the elements needs, in reaches of
+ * the kernels (doc/crf.md#large-clouds).
+ * \param[in] unlabelled number of elements without a measurement
+ * \param[in] elements number of all elements */
+double haloOf(std::size_t unlabelled, std::size_t elements, int updates);
 
 /** \brief Some columns of a matrix, in their order. */
-Eigen::MatrixXf gather(const Eigen::MatrixXf& matrix, const pcl::Indices& columns);
+Eigen::MatrixXf gather(const Eigen::Ref<const Eigen::MatrixXf>& matrix,
+                       const pcl::Indices& columns);
 
 /** \brief Builds the model over elements, eqs. (3)-(9); see refineElements().
  * \param[in] measured distributions of all elements
- * \param[in] choice that of all elements, if these are a part of them; null = of these
  * \param[in,out] report receives the numbers of cliques */
 CrfModel buildModel(const CRFTerms& terms, const Cliques* cliques,
                     CRFElements& elements, const LabelDistributions& measured,
-                    const GaussianKernels::Choice* choice, CRFReport& report);
+                    CRFReport& report);
 
 } // namespace pcl_semantic

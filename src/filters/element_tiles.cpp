@@ -7,115 +7,139 @@
 #include <cmath>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 namespace pcl_semantic {
 
 namespace {
 
-class TileDivision {
-public:
-  TileDivision(const Eigen::MatrixXf& positions, double reach, std::size_t most,
-               const std::function<void(const ElementTile&)>& visit)
-      : positions_(positions), reach_(float(reach)), most_(most), visit_(visit)
-  {}
+using Box = Eigen::AlignedBox<float, Eigen::Dynamic>;
 
-  void
-  divide(ElementTile tile) const
-  {
-    if (tile.own.empty())
-      return;
-    const Box box = boxOf(tile.own);
-    Eigen::Index axis = 0;
-    const float length = box.sizes().maxCoeff(&axis);
-    if (tile.own.size() <= most_ || length == 0.0f)
-      return visit_(tile);
-    const float middle = middleOf(tile.own, axis, box.min()[axis]);
-    ElementTile left, right;
-    for (const pcl::index_t i : tile.own)
-      (positions_(axis, i) < middle ? left : right).own.push_back(i);
-    left.halo = haloOf(left.own, right.own, tile.halo);
-    right.halo = haloOf(right.own, left.own, tile.halo);
-    if (sizeOf(left) > kWorthwhile * sizeOf(tile) ||
-        sizeOf(right) > kWorthwhile * sizeOf(tile))
-      return visit_(tile);
-    tile = ElementTile(); // its memory is needed
-    divide(std::move(left));
-    divide(std::move(right));
-  }
+Box
+boundsOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements)
+{
+  Box box(positions.rows());
+  for (const pcl::index_t i : elements)
+    box.extend(positions.col(i));
+  return box;
+}
 
-private:
-  using Box = Eigen::AlignedBox<float, Eigen::Dynamic>;
+std::size_t
+sizeOf(const ElementTile& tile)
+{
+  return tile.own.size() + tile.halo.size();
+}
 
-  Box
-  boxOf(const pcl::Indices& elements) const
-  {
-    Box box(positions_.rows());
-    for (const pcl::index_t i : elements)
-      box.extend(positions_.col(i));
-    return box;
-  }
-
-  // Largest part of a tile and its halo that a half of it may need.
-  static constexpr double kWorthwhile = 0.75;
-
-  static double
-  sizeOf(const ElementTile& tile)
-  {
-    return double(tile.own.size() + tile.halo.size());
-  }
-
-  // The median, or the least value above the lowest one.
-  float
-  middleOf(const pcl::Indices& elements, Eigen::Index axis, float low) const
-  {
-    std::vector<float> values;
-    values.reserve(elements.size());
-    for (const pcl::index_t i : elements)
-      values.push_back(positions_(axis, i));
-    const auto median = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), median, values.end());
-    if (*median > low)
-      return *median;
-    float least = HUGE_VALF;
-    for (const float value : values)
-      if (value > low)
-        least = std::min(least, value);
-    return least;
-  }
-
-  pcl::Indices
-  haloOf(const pcl::Indices& own, const pcl::Indices& other,
-         const pcl::Indices& halo) const
-  {
-    const Box box = boxOf(own);
-    const Eigen::ArrayXf low = box.min().array() - reach_;
-    const Eigen::ArrayXf high = box.max().array() + reach_;
-    pcl::Indices near;
-    for (const pcl::Indices* elements : {&other, &halo})
-      for (const pcl::index_t i : *elements)
-        if ((positions_.col(i).array() >= low).all() &&
-            (positions_.col(i).array() <= high).all())
-          near.push_back(i);
-    return near;
-  }
-
-  const Eigen::MatrixXf& positions_;
-  const float reach_;
-  const std::size_t most_;
-  const std::function<void(const ElementTile&)>& visit_;
-};
+// The median, or the least value above the lowest one.
+float
+middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
+         Eigen::Index axis, float low)
+{
+  std::vector<float> values;
+  values.reserve(elements.size());
+  for (const pcl::index_t i : elements)
+    values.push_back(positions(axis, i));
+  const auto median = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), median, values.end());
+  if (*median > low)
+    return *median;
+  float least = HUGE_VALF;
+  for (const float value : values)
+    if (value > low)
+      least = std::min(least, value);
+  return least;
+}
 
 } // namespace
 
-void
-forEachTile(const Eigen::MatrixXf& positions, double reach, std::size_t most,
-            const std::function<void(const ElementTile&)>& visit)
+TileBoxes::TileBoxes(const Eigen::MatrixXf& positions, const TileLimits& limits,
+                     const Visit& visit)
+    : limits_(limits), reach_(float(limits.reach))
 {
   ElementTile all;
   all.own.resize(std::size_t(positions.cols()));
   std::iota(all.own.begin(), all.own.end(), 0);
-  TileDivision(positions, reach, most, visit).divide(std::move(all));
+  divide(positions, std::move(all), visit);
+}
+
+std::size_t
+TileBoxes::boxOf(const Eigen::Vector3f& position) const
+{
+  const Node* node = nodes_.data();
+  while (node->left >= 0)
+    node = &nodes_[std::size_t(position[node->axis] < node->middle ? node->left
+                                                                   : node->right)];
+  return node->box;
+}
+
+int
+TileBoxes::addBox(const ElementTile& tile, const Visit& visit)
+{
+  nodes_.back().box = boxes_++;
+  if (visit && !tile.own.empty())
+    visit(tile);
+  return int(nodes_.size()) - 1;
+}
+
+bool
+TileBoxes::isSmall(const ElementTile& tile) const
+{
+  return tile.own.empty() ||
+         (limits_.is_most_with_halo ? sizeOf(tile) : tile.own.size()) <= limits_.most;
+}
+
+// \return the node of the tile
+int
+TileBoxes::divide(const Eigen::MatrixXf& positions, ElementTile tile,
+                  const Visit& visit)
+{
+  nodes_.emplace_back();
+  if (isSmall(tile))
+    return addBox(tile, visit);
+  const Box bounds = boundsOf(positions, tile.own);
+  Eigen::Index axis = 0;
+  if (bounds.sizes().maxCoeff(&axis) == 0.0f)
+    return addBox(tile, visit);
+  const float middle = middleOf(positions, tile.own, axis, bounds.min()[axis]);
+  ElementTile left, right;
+  for (const pcl::index_t i : tile.own)
+    (positions(axis, i) < middle ? left : right).own.push_back(i);
+  left.halo = haloOf(positions, left.own, right.own, tile.halo);
+  right.halo = haloOf(positions, right.own, left.own, tile.halo);
+  if (double(std::max(sizeOf(left), sizeOf(right))) >
+      limits_.worthwhile * double(sizeOf(tile)))
+    return addBox(tile, visit);
+  tile = ElementTile(); // its memory is needed
+  const std::size_t node = nodes_.size() - 1;
+  nodes_[node].axis = axis;
+  nodes_[node].middle = middle;
+  const int left_node = divide(positions, std::move(left), visit);
+  nodes_[node].left = left_node;
+  const int right_node = divide(positions, std::move(right), visit);
+  nodes_[node].right = right_node;
+  return int(node);
+}
+
+pcl::Indices
+TileBoxes::haloOf(const Eigen::MatrixXf& positions, const pcl::Indices& own,
+                  const pcl::Indices& other, const pcl::Indices& halo) const
+{
+  const Box bounds = boundsOf(positions, own);
+  const Eigen::ArrayXf low = bounds.min().array() - reach_;
+  const Eigen::ArrayXf high = bounds.max().array() + reach_;
+  pcl::Indices near;
+  for (const pcl::Indices* elements : {&other, &halo})
+    for (const pcl::index_t i : *elements)
+      if ((positions.col(i).array() >= low).all() &&
+          (positions.col(i).array() <= high).all())
+        near.push_back(i);
+  return near;
+}
+
+void
+forEachTile(const Eigen::MatrixXf& positions, const TileLimits& limits,
+            const TileBoxes::Visit& visit)
+{
+  const TileBoxes boxes(positions, limits, visit);
 }
 
 } // namespace pcl_semantic

@@ -335,7 +335,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
 // no images of frames, `crf-every` costs time alone.
 const std::set<std::string> unseen = {
     "help", "help-all", "version", "man", "quiet", "verbose", "json", "threads",
-    "engine", "view", "live view", "odometry window", "--clouds crf-every",
+    "memory", "engine", "view", "live view", "odometry window", "--clouds crf-every",
     // One frame contradicts no other, and has nothing thin that is outvoted.
     "live crf-every", "live clearing", "live hit-probability", "live miss-probability",
     "live deviation-scale", "live crf-keep-thin", "drive 'a' crf-every"};

@@ -21,7 +21,10 @@ std::vector<ElementTile>
 tilesOf(const Eigen::MatrixXf& positions, double reach, std::size_t most)
 {
   std::vector<ElementTile> tiles;
-  forEachTile(positions, reach, most,
+  TileLimits limits;
+  limits.reach = reach;
+  limits.most = most;
+  forEachTile(positions, limits,
               [&](const ElementTile& tile) { tiles.push_back(tile); });
   return tiles;
 }

@@ -71,17 +71,20 @@ public:
                                        ///< first; empty = of the part
   };
 
-  /** \brief As above, with given choices. */
+  /** \brief As above, with given choices. A term whose truncated sums cannot hold the
+   * positions has a lattice. */
   GaussianKernels(const Eigen::MatrixXf& positions,
                   const std::vector<float>& deviations,
                   const GaussianKernelOptions& options, Choice choice);
 
   /** \brief Chooses for a cloud.
    * \param[in] terms whose features belong to \a positions
+   * \param[in] density points of the cloud for each of \a positions, if these are a
+   * random sample of it
    * \throws as the constructor */
   static Choice choose(const Eigen::MatrixXf& positions,
                        const std::vector<GaussianTerm>& terms,
-                       const GaussianKernelOptions& options);
+                       const GaussianKernelOptions& options, double density = 1.0);
 
   /** \brief The method of a term: truncated or lattice. */
   KernelMethod

@@ -16,6 +16,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+struct CRFElements;
+
 /** \brief The fields of a cloud that a CRF reads: one column or entry per point. */
 struct CloudFields {
   Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
@@ -25,6 +27,18 @@ struct CloudFields {
   std::vector<std::uint32_t> labels; ///< 0 = unlabelled
   std::uint32_t width = 0;
   std::uint32_t height = 0;
+};
+
+/** \brief A random sample of a cloud larger than memory, with figures of all of it. */
+struct CloudSample {
+  std::size_t points = 0;     ///< of the cloud
+  std::size_t unlabelled = 0; ///< points of the cloud without a measurement
+  double spacing = 0.0;       ///< CRFReport::spacing
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
+  Eigen::Matrix3Xf positions; ///< of the sample, relative to `origin`, finite [m]
+  Eigen::Matrix3Xf colours;   ///< of the sample, 0..255; empty = no colour
+  Eigen::Vector3f low;        ///< least coordinates of the cloud, as `positions` [m]
+  Eigen::Vector3f colour_low; ///< least colours of the cloud
 };
 
 /** \brief A CRF over the points of a cloud of any type: settings and run(). */
@@ -85,6 +99,13 @@ public:
    *
    * \throws InvalidParameterException if it is 0 */
   void setTileSize(std::size_t points);
+
+  /** \brief Makes the next runs refine parts of a larger cloud, whose spacing, kernels
+   * and use of colour they take. Model, parameters and setUseColour() are set before.
+   * A part is refined in one piece. setClassFrequencies() is separate.
+   * \return width of the surroundings that a part needs for the labels of a run over
+   * the whole cloud [m] */
+  double setWhole(const CloudSample& whole);
 
   /** \brief Sets the cliques of the models `pn_potts` and `hierarchical`. Replaces a
    * generator.
@@ -186,10 +207,20 @@ protected:
   bool judges_steps_ = true;                         ///< false once an origin was set
 
 private:
+  // Of the cloud whose part is refined.
+  struct Whole {
+    double spacing, extent;
+    std::vector<KernelMethod> methods;
+    Eigen::Vector3d low;        // [m]
+    Eigen::Vector3f colour_low; // [grey levels]
+  };
+
   LabelDistributions measurements(const CloudFields& cloud, const pcl::Indices& indices,
                                   const LabelDistributions* own) const;
 
   std::vector<pcl::PointIndices> makeCliques(const CloudFields& cloud) const;
+
+  CRFElements elementsOf(const CloudFields& cloud, const pcl::Indices& valid) const;
 
   LabelDistributions measured_;
   double label_confidence_ = 0.0;
@@ -199,6 +230,7 @@ private:
   std::optional<std::vector<pcl::PointIndices>> cliques_;
   CliqueGenerator::Ptr generator_;
   bool use_colour_ = true;
+  std::optional<Whole> whole_;
   std::size_t tile_size_ = 1000000;
   LabelDistributions refined_;
   std::size_t skipped_points_ = 0;
