@@ -300,6 +300,9 @@ groupTiles(const Arguments& arguments, CliqueGenerator& generator, std::size_t m
 {
   refuseIf(!arguments.coloured.empty() || !arguments.frame.path.empty(),
            "--coloured and --frame need the whole cloud in memory: a larger --memory");
+  refuseIf(namesCliques(arguments.method, "slic"),
+           "--method " + arguments.method +
+               " needs the whole cloud in memory: a larger --memory");
   PcdReader reader(arguments.input);
   const CloudSurvey survey = surveyWithProgress(reader, &anyLabels(), true);
   if (generator.usesColour() && !survey.has_colour)
@@ -307,12 +310,11 @@ groupTiles(const Arguments& arguments, CliqueGenerator& generator, std::size_t m
   TileOptions options;
   options.reach = 10.0 * survey.sample.spacing; // shows which cliques are cut
   options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
-  const CloudTiles tiles =
-      divideWithProgress(reader, survey, options, arguments.output);
+  const auto tiles = divideWithProgress(reader, survey, options, arguments.output);
   CloudRowWriter writer(arguments.output, reader.size());
   CliqueCounts counts;
   std::size_t members = 0;
-  forEachTileOf(tiles, "grouping", [&](CloudTile tile) {
+  forEachTileOf(*tiles, "grouping", [&](CloudTile tile) {
     const std::size_t own = tile.numbers.size();
     LabelledCloud read =
         labelledCloudOf(std::move(tile.table), arguments.input, &anyLabels());

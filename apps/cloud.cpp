@@ -112,13 +112,6 @@ public:
       mapping_ = readLabelMapping(arguments_.label_mapping, *label_set_);
   }
 
-  /** \brief Whether points are left out. */
-  bool
-  isSelective() const
-  {
-    return box_ || !keep_.empty() || !drop_.empty() || arguments_.thin > 0.0;
-  }
-
   PcdTable
   edit(PcdTable table)
   {
@@ -277,6 +270,7 @@ private:
   setColours(PcdTable& table) const
   {
     std::vector<std::uint32_t> colours;
+    table.removeColumns("rgb");
     if (table.points() == 0)
       return table.setColumn("rgba", colours);
     const PcdColumn labels(table, table.find("label"));
@@ -289,7 +283,6 @@ private:
       colours.push_back(0xFF000000u | std::uint32_t(colour[0]) << 16 |
                         std::uint32_t(colour[1]) << 8 | colour[2]);
     }
-    table.removeColumns("rgb");
     table.setColumn("rgba", colours);
   }
 
@@ -339,13 +332,13 @@ prepareParts(const Arguments& arguments, Editor& editor, std::size_t memory)
     TileOptions options;
     options.voxel_size = arguments.thin;
     options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
-    forEachTileOf(divideWithProgress(reader, survey, options, arguments.output),
+    forEachTileOf(*divideWithProgress(reader, survey, options, arguments.output),
                   "thinning", [&](CloudTile tile) { edit(std::move(tile.table)); });
   }
   else
     forEachBlock(reader, [&](std::size_t, PcdTable block) { edit(std::move(block)); });
   PcdTable header = reader.header();
-  if (editor.isSelective()) {
+  if (points < reader.size() || arguments.thin > 0.0) {
     header.width = pcl::uindex_t(points);
     header.height = 1;
     header.voxel_grid = {};

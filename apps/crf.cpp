@@ -15,6 +15,7 @@
 #include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/superpixels/clique_config.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -100,25 +101,27 @@ refineTiles(const CRFArguments& arguments, const LabelMapping* mapping,
             std::size_t memory)
 {
   const std::string& cliques = arguments.parameters.cliques;
-  if (cliques != "none" && cliques != "field" && !namesCloudCliques(cliques))
+  if (isCliqueFile(cliques) || namesCliques(cliques, "slic"))
     fail<InvalidParameterException>(
-        "cliques from the file ", cliques,
-        " need the whole cloud in memory: a larger "
-        "--memory, or the field 'clique' and --cliques field");
+        "cliques from ", cliques,
+        " need the whole cloud in memory: a larger --memory, "
+        "or the field 'clique' and --cliques field");
   PcdReader reader(arguments.input);
   const CloudSurvey survey = surveyWithProgress(reader, mapping, true);
   CRFRun run(arguments, inputOf(survey));
   TileOptions options;
   options.reach = run.setWhole(survey);
-  options.most = pointsOfTile(kNeeds, reader.header().point_step, memory);
-  const CloudTiles tiles =
-      divideWithProgress(reader, survey, options, arguments.output);
-  note(std::to_string(tiles.size()) + " tiles of up to " +
+  const double more_classes = double(std::max(run.classes() - 11, 0));
+  options.most = pointsOfTile(
+      {kNeeds.fixed + 30e6 * more_classes, kNeeds.per_point + 12.0 * more_classes},
+      reader.header().point_step, memory);
+  const auto tiles = divideWithProgress(reader, survey, options, arguments.output);
+  note(std::to_string(tiles->size()) + " tiles of up to " +
        std::to_string(options.most) + " points with the " + shown(options.reach) +
        " m around them");
   CloudRowWriter writer(arguments.output, reader.size());
   const std::optional<LabelMapping> same = mappingOf(arguments); // counts apart
-  forEachTileOf(tiles, "refining", [&](CloudTile tile) {
+  forEachTileOf(*tiles, "refining", [&](CloudTile tile) {
     LabelledCloud cloud = labelledCloudOf(std::move(tile.table), arguments.input,
                                           same ? &*same : nullptr);
     run.refine(cloud, tile.numbers.size());
@@ -140,6 +143,7 @@ refine(const CRFArguments& arguments)
   refuseIf(!arguments.label_mapping.empty() && arguments.label_set.empty(),
            "--label-mapping needs --label-set");
   config.requireFittingCliques();
+  requireCliques(config.cliques);
   requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
   const std::size_t memory = memoryOf(arguments.memory);

@@ -81,10 +81,14 @@ classesOf(const CRFArguments& arguments, const CRFInput& input,
   const int classes = names               ? names->size()
                       : input.classes > 0 ? input.classes
                                           : std::max(1, int(input.largest_label));
-  if (names && input.largest_label > std::uint32_t(classes))
+  if (names && input.largest_label > std::uint32_t(classes)) {
+    const auto first = std::min_element(input.first_of_label.begin() + classes + 1,
+                                        input.first_of_label.end());
     fail<BadInputException>(
-        arguments.input, ": label ", input.largest_label, " is beyond the ", classes,
+        arguments.input, ": label ", first - input.first_of_label.begin(), " of point ",
+        *first, " is beyond the ", classes,
         " classes of --label-set; other numbers need --label-mapping");
+  }
   if (input.classes == 0 && !input.has_labels && input.points > 0)
     fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'",
                             textOfDoubts(input.doubts, arguments.input));
@@ -103,6 +107,23 @@ classesOf(const CRFArguments& arguments, const CRFInput& input,
 
 } // namespace
 
+bool
+isCliqueFile(const std::string& cliques)
+{
+  return cliques != "none" && cliques != "field" && !namesCloudCliques(cliques);
+}
+
+void
+requireCliques(const std::string& cliques)
+{
+  if (isCliqueFile(cliques) && cliques.find_first_of("./") == std::string::npos &&
+      !isThere(cliques))
+    fail<InvalidParameterException>(
+        "cliques are '", cliques,
+        "', expected none, field, planes[:EDGE], supervoxel[:DISTANCE], cubes[:EDGE], "
+        "slic or a file");
+}
+
 CRFInput
 inputOf(const LabelledCloud& cloud)
 {
@@ -111,8 +132,13 @@ inputOf(const LabelledCloud& cloud)
   input.has_labels = cloud.has_labels;
   input.has_colour = cloud.has_colour;
   input.classes = cloud.distributions.classes();
-  for (const pcl::PointXYZRGBL& point : *cloud.cloud)
-    input.largest_label = std::max(input.largest_label, point.label);
+  input.first_of_label.assign(256, SIZE_MAX);
+  for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
+    const std::uint32_t label = (*cloud.cloud)[i].label;
+    input.largest_label = std::max(input.largest_label, label);
+    std::size_t& first = input.first_of_label[std::min(label, 255u)];
+    first = std::min(first, i);
+  }
   input.without_preference = countWithoutPreference(cloud);
   input.doubts = cloud.table.doubts;
   return input;
@@ -121,9 +147,10 @@ inputOf(const LabelledCloud& cloud)
 CRFInput
 inputOf(const CloudSurvey& survey)
 {
-  return {survey.sample.points, survey.has_labels,    survey.has_colour,
-          survey.classes,       survey.largest_label, survey.without_preference,
-          survey.doubts};
+  return {survey.sample.points,      survey.has_labels,
+          survey.has_colour,         survey.classes,
+          survey.largest_label,      survey.first_of_label,
+          survey.without_preference, survey.doubts};
 }
 
 CRFRun::CRFRun(const CRFArguments& arguments, CRFInput input)
@@ -157,10 +184,10 @@ CRFRun::setWhole(const CloudSurvey& survey)
 }
 
 void
-CRFRun::setMeasurements(const LabelledCloud& cloud)
+CRFRun::setMeasurements(LabelledCloud& cloud)
 {
   if (input_.classes > 0)
-    crf_.setLabelDistributions(cloud.distributions);
+    crf_.giveLabelDistributions(std::move(cloud.distributions));
   else
     crf_.setLabelConfidence(arguments_.parameters.label_confidence, classes_);
 }
@@ -171,17 +198,11 @@ CRFRun::setCliques(const LabelledCloud& cloud)
   const std::string& cliques = arguments_.parameters.cliques;
   if (cliques == "none" || cloud.cloud->empty())
     return;
-  const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
-  if (is_file && cliques.find_first_of("./") == std::string::npos && !isThere(cliques))
-    fail<InvalidParameterException>(
-        "cliques are '", cliques,
-        "', expected none, field, planes[:EDGE], supervoxel[:DISTANCE], cubes[:EDGE], "
-        "slic or a file");
   if (cliques == "field" && cloud.table.find("clique") < 0)
     fail<BadInputException>(arguments_.input, ": has no field 'clique'");
   if (cliques == "field")
     crf_.setCliques(cloud.cliques);
-  else if (is_file)
+  else if (isCliqueFile(cliques))
     crf_.setCliques(readCliques(cliques, cloud.cloud->size()));
   else {
     generator_ = makeCliqueGenerator(cliques);
@@ -236,7 +257,7 @@ CRFRun::refine(LabelledCloud& cloud, std::size_t own)
   for (std::size_t i = 0; i < own; ++i)
     if ((*cloud.cloud)[i].label != before[i])
       ++changed_[before[i]];
-  cloud.distributions = crf_.getLabelDistributions();
+  cloud.distributions = crf_.takeLabelDistributions();
   setEntropies(cloud);
   addToReport(crf_.getReport());
 }
@@ -291,7 +312,7 @@ CRFRun::report() const
     results.push_back({"changed_of_classes", changes});
   const Results rest{{"without_place", without_place_},
                      {"without_measurement", report_.unlabelled},
-                     {"cliques", report_.cliques},
+                     {has_tiles_ ? "parts_of_cliques" : "cliques", report_.cliques},
                      {"cliques_without_points", report_.skipped_cliques},
                      {"updates", std::size_t(report_.updates)}};
   results.insert(results.end(), rest.begin(), rest.end());

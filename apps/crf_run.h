@@ -24,6 +24,13 @@ struct CRFArguments {
   CRFConfig parameters;
 };
 
+/** \brief Whether cliques are read from a file with their indices. */
+bool isCliqueFile(const std::string& cliques);
+
+/** \throws InvalidParameterException unless cliques are none, the field, a method or a
+ * file */
+void requireCliques(const std::string& cliques);
+
 /** \brief Figures of a cloud before its labels change. */
 struct CRFInput {
   std::size_t points = 0;
@@ -31,8 +38,9 @@ struct CRFInput {
   bool has_colour = false;
   int classes = 0; ///< of the probabilities; 0 = labels only
   std::uint32_t largest_label = 0;
-  std::size_t without_preference = 0; ///< points
-  std::vector<std::string> doubts;    ///< PcdTable::doubts
+  std::vector<std::size_t> first_of_label; ///< CloudSurvey::first_of_label
+  std::size_t without_preference = 0;      ///< points
+  std::vector<std::string> doubts;         ///< PcdTable::doubts
 };
 
 /** \brief The figures of a cloud in memory. */
@@ -49,6 +57,12 @@ public:
    * set */
   CRFRun(const CRFArguments& arguments, CRFInput input);
 
+  int
+  classes() const
+  {
+    return classes_;
+  }
+
   /** \brief Prepares for tiles of a cloud.
    * \return width of their surroundings [m] */
   double setWhole(const CloudSurvey& survey);
@@ -63,7 +77,7 @@ public:
   void report() const;
 
 private:
-  void setMeasurements(const LabelledCloud& cloud);
+  void setMeasurements(LabelledCloud& cloud);
   void setCliques(const LabelledCloud& cloud);
   void setTileCliques(const LabelledCloud& cloud, std::size_t own);
   void addToReport(const CRFReport& report);

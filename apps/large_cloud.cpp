@@ -118,13 +118,21 @@ surveyWithProgress(PcdReader& reader, const LabelMapping* mapping,
   return survey;
 }
 
-CloudTiles
+std::unique_ptr<CloudTiles>
 divideWithProgress(PcdReader& reader, const CloudSurvey& survey,
                    const TileOptions& options, const std::string& output)
 {
   ProgressBar progress("dividing", blocksOf(reader), "blocks");
-  return CloudTiles(reader, survey, options, fs::path(output).parent_path().string(),
-                    [&] { progress.step(); });
+  auto tiles = std::make_unique<CloudTiles>(reader, survey, options,
+                                            fs::path(output).parent_path().string(),
+                                            [&] { progress.step(); });
+  if (tiles->shareAround() > 2.0) {
+    TextStream text;
+    text << "the tiles need " << std::round(10.0 * tiles->shareAround()) / 10.0
+         << " points around them for each of theirs; a larger --memory is faster";
+    warn(text.str());
+  }
+  return tiles;
 }
 
 void

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 
 /** \file Clouds that do not fit into memory, for the programs that read them in tiles.
@@ -47,8 +48,10 @@ CloudSurvey surveyWithProgress(PcdReader& reader, const LabelMapping* mapping,
 
 /** \brief Divides a cloud into tiles beside its output, with a progress bar.
  * \param[in] output path of the output */
-CloudTiles divideWithProgress(PcdReader& reader, const CloudSurvey& survey,
-                              const TileOptions& options, const std::string& output);
+std::unique_ptr<CloudTiles> divideWithProgress(PcdReader& reader,
+                                               const CloudSurvey& survey,
+                                               const TileOptions& options,
+                                               const std::string& output);
 
 /** \brief Calls a function with each tile, with a progress bar.
  * \param[in] what "refining" */

@@ -14,30 +14,6 @@ namespace pcl_semantic {
 
 namespace {
 
-std::uint64_t
-hashOf(const Eigen::Ref<const Eigen::VectorXf>& position, float step)
-{
-  std::uint64_t hash = 0x9e3779b97f4a7c15u;
-  for (const float coordinate : position) {
-    std::uint64_t bits = 0;
-    if (step > 0.0f)
-      bits = std::uint64_t(std::int64_t(std::floor(coordinate / step)));
-    else
-      std::memcpy(&bits, &coordinate, sizeof(coordinate));
-    hash = (hash ^ bits) * 0xbf58476d1ce4e5b9u;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
-
-// A power of two; about 16,000 steps reach the farthest position.
-float
-stepOf(const Eigen::MatrixXf& positions)
-{
-  const float farthest = positions.cwiseAbs().maxCoeff();
-  return farthest > 0.0f ? std::ldexp(1.0f, std::ilogb(farthest) - 13) : 1.0f;
-}
-
 float
 medianOf(std::vector<float> values)
 {
@@ -48,14 +24,31 @@ medianOf(std::vector<float> values)
 
 } // namespace
 
+std::uint64_t
+PositionHash::operator()(const Eigen::Vector3f& position) const
+{
+  std::uint64_t hash = 0x9e3779b97f4a7c15u;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uint64_t bits = 0;
+    if (is_exact_)
+      std::memcpy(&bits, &position[axis], sizeof(float));
+    else
+      bits = std::uint64_t(
+          std::llround((double(position[axis]) + origin_[axis]) * 1024.0));
+    hash = (hash ^ bits) * 0xbf58476d1ce4e5b9u;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
 std::vector<Eigen::Index>
-sampleByPosition(const Eigen::Ref<const Eigen::MatrixXf>& positions, std::size_t count,
-                 float step)
+sampleByPosition(const Eigen::Matrix3Xf& positions, std::size_t count,
+                 const PositionHash& hash)
 {
   std::vector<std::pair<std::uint64_t, Eigen::Index>> hashes;
   hashes.reserve(std::size_t(positions.cols()));
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    hashes.emplace_back(hashOf(positions.col(i), step), i);
+    hashes.emplace_back(hash(positions.col(i)), i);
   count = std::min(count, hashes.size());
   std::partial_sort(hashes.begin(), hashes.begin() + std::ptrdiff_t(count),
                     hashes.end());
@@ -65,7 +58,14 @@ sampleByPosition(const Eigen::Ref<const Eigen::MatrixXf>& positions, std::size_t
   return sample;
 }
 
-SpacingSample::SpacingSample(const Eigen::MatrixXf& points)
+std::size_t
+sizeOfSpacingSample(std::size_t points)
+{
+  constexpr std::size_t distances = 1 << 25; // limits the run time
+  return std::clamp<std::size_t>(distances / std::max<std::size_t>(points, 1), 64, 256);
+}
+
+SpacingSample::SpacingSample(const Eigen::Matrix3Xf& points)
     : points_(points), squares_(std::size_t(points.cols()))
 {
   for (Squares& squares : squares_)
@@ -73,7 +73,7 @@ SpacingSample::SpacingSample(const Eigen::MatrixXf& points)
 }
 
 void
-SpacingSample::add(const Eigen::MatrixXf& axes)
+SpacingSample::add(const Eigen::MatrixX3f& axes)
 {
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t k = 0; k < squares_.size(); ++k)
@@ -82,8 +82,8 @@ SpacingSample::add(const Eigen::MatrixXf& axes)
 
 // Coordinates are stored by axis so that the loop over distances vectorises.
 void
-SpacingSample::addTo(Squares& nearest, const Eigen::VectorXf& point,
-                     const Eigen::MatrixXf& axes)
+SpacingSample::addTo(Squares& nearest, const Eigen::Vector3f& point,
+                     const Eigen::MatrixX3f& axes)
 {
   constexpr Eigen::Index chunk = 64;
   Eigen::Array<float, chunk, 1> squares;
@@ -120,21 +120,26 @@ SpacingSample::spacing() const
 }
 
 float
-pointSpacing(const Eigen::MatrixXf& positions)
+pointSpacing(const Eigen::Matrix3Xf& positions, const std::vector<Eigen::Index>& sample)
 {
   if (positions.cols() <= SpacingSample::neighbours)
     return 0.0f;
-  constexpr Eigen::Index distances = 1 << 25; // limits the run time
-  const std::vector<Eigen::Index> sample = sampleByPosition(
-      positions,
-      std::size_t(std::clamp<Eigen::Index>(distances / positions.cols(), 64, 256)),
-      stepOf(positions));
-  Eigen::MatrixXf points(positions.rows(), Eigen::Index(sample.size()));
+  const std::size_t count =
+      std::min(sample.size(), sizeOfSpacingSample(std::size_t(positions.cols())));
+  Eigen::Matrix3Xf points(3, Eigen::Index(count));
   for (Eigen::Index k = 0; k < points.cols(); ++k)
     points.col(k) = positions.col(sample[std::size_t(k)]);
   SpacingSample spacing(points);
   spacing.add(positions.transpose());
   return spacing.spacing();
+}
+
+float
+pointSpacing(const Eigen::Matrix3Xf& positions)
+{
+  return pointSpacing(
+      positions,
+      sampleByPosition(positions, sizeOfSpacingSample(std::size_t(positions.cols()))));
 }
 
 } // namespace pcl_semantic

@@ -7,20 +7,39 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A random sample of points, chosen and sorted by a hash of their positions, so
- * that the order of the points does not matter.
- * \param[in] positions finite
+/** \brief A hash of positions, for samples that depend neither on the order of the
+ * points nor on the origin that was subtracted from them. */
+class PositionHash {
+public:
+  /** \param[in] origin of the positions [m]. Zero: their bits are hashed. Otherwise
+   * single precision has rounded them, so they are rounded to about a millimetre */
+  explicit PositionHash(const Eigen::Vector3d& origin = Eigen::Vector3d::Zero())
+      : origin_(origin), is_exact_(origin.isZero(0.0))
+  {}
+
+  /** \param[in] position relative to the origin */
+  std::uint64_t operator()(const Eigen::Vector3f& position) const;
+
+private:
+  Eigen::Vector3d origin_;
+  bool is_exact_;
+};
+
+/** \brief The points with the least hashes, in that order.
+ * \param[in] positions 3 x N, finite
  * \param[in] count of the sample; fewer points are all in it
- * \param[in] step positions are rounded to it, so that their last bits do not matter;
- * those within a step are in the sample together. 0 = not rounded
  * \return their columns */
-std::vector<Eigen::Index>
-sampleByPosition(const Eigen::Ref<const Eigen::MatrixXf>& positions, std::size_t count,
-                 float step = 0.0f);
+std::vector<Eigen::Index> sampleByPosition(const Eigen::Matrix3Xf& positions,
+                                           std::size_t count,
+                                           const PositionHash& hash = PositionHash());
+
+/** \brief Points in the sample of a cloud's spacing, by the size of the cloud. */
+std::size_t sizeOfSpacingSample(std::size_t points);
 
 /** \brief The spacing around some points of a cloud, which is given in parts; see
  * pointSpacing(). */
@@ -28,12 +47,12 @@ class SpacingSample {
 public:
   static constexpr Eigen::Index neighbours = 4;
 
-  /** \param[in] points of the cloud, d x n, finite */
-  explicit SpacingSample(const Eigen::MatrixXf& points);
+  /** \param[in] points of the cloud, finite */
+  explicit SpacingSample(const Eigen::Matrix3Xf& points);
 
   /** \brief Adds a part of the cloud. The points of the sample are in one of the parts.
-   * \param[in] axes positions, N x d, finite */
-  void add(const Eigen::MatrixXf& axes);
+   * \param[in] axes positions, N x 3, finite */
+  void add(const Eigen::MatrixX3f& axes);
 
   /** \brief The spacing in the cloud; infinite if it has fewer than five points. */
   float spacing() const;
@@ -41,19 +60,23 @@ public:
 private:
   using Squares = std::array<float, neighbours + 1>; // of distances, itself included
 
-  static void addTo(Squares& nearest, const Eigen::VectorXf& point,
-                    const Eigen::MatrixXf& axes);
+  static void addTo(Squares& nearest, const Eigen::Vector3f& point,
+                    const Eigen::MatrixX3f& axes);
 
-  Eigen::MatrixXf points_;
+  Eigen::Matrix3Xf points_;
   std::vector<Squares> squares_;
 };
 
 /** \brief Estimates the spacing of points: the step of their grid (voxels), or
  * otherwise the median distance to the fourth nearest neighbour, which equals that step
- * for a grid on a surface. Uses a sample chosen by position, so the order of the points
- * does not matter.
- * \param[in] positions finite
+ * for a grid on a surface. Uses a sample.
+ * \param[in] positions 3 x N, finite
+ * \param[in] sample see sampleByPosition(), of sizeOfSpacingSample() or more
  * \return 0 if there are fewer than five points, or most of them coincide */
-float pointSpacing(const Eigen::MatrixXf& positions);
+float pointSpacing(const Eigen::Matrix3Xf& positions,
+                   const std::vector<Eigen::Index>& sample);
+
+/** \brief Does the same with a sample of its own. */
+float pointSpacing(const Eigen::Matrix3Xf& positions);
 
 } // namespace pcl_semantic

@@ -184,15 +184,17 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
 double
 GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
 {
-  constexpr Eigen::Index samples = 64, max_others = 8192;
+  constexpr Eigen::Index samples = 64;
   const Eigen::Index count = positions.cols();
   if (count == 0)
     return 0.0;
-  const std::vector<Eigen::Index> sample =
-      sampleByPosition(positions, std::size_t(max_others));
-  PointsByRow others(3, Eigen::Index(sample.size()));
-  for (Eigen::Index i = 0; i < others.cols(); ++i)
-    others.col(i) = positions.col(sample[std::size_t(i)]);
+  PointsByRow others = positions;
+  if (count > Eigen::Index(max_sample)) {
+    const std::vector<Eigen::Index> sample = sampleByPosition(positions, max_sample);
+    others.resize(3, Eigen::Index(sample.size()));
+    for (Eigen::Index i = 0; i < others.cols(); ++i)
+      others.col(i) = positions.col(sample[std::size_t(i)]);
+  }
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)

@@ -90,6 +90,12 @@ extentOf(const Eigen::MatrixXf& positions)
   return double(*middle);
 }
 
+Eigen::Matrix3Xf
+placesOf(const CloudFields& fields, const pcl::Indices& indices)
+{
+  return gather(fields.positions, indices);
+}
+
 // Minimum per coordinate.
 VoxelIndex
 cornerOf(const std::vector<VoxelIndex>& voxels, const pcl::Indices& indices)
@@ -188,6 +194,25 @@ CloudCRF::setOrigin(const Eigen::Vector3d& origin)
   judges_steps_ = false;
 }
 
+// Chooses the methods of the kernels by a sample.
+// \param[in] points of the whole cloud
+void
+CloudCRF::setMethods(const std::vector<Eigen::Index>& sample, std::size_t points,
+                     CRFElements& elements) const
+{
+  CRFElements part;
+  const pcl::Indices columns(sample.begin(), sample.end());
+  part.positions = gather(elements.positions, columns);
+  if (elements.colours.size() > 0)
+    part.colours = gather(elements.colours, columns);
+  part.spacing = elements.spacing;
+  part.extent = elements.extent;
+  const double density =
+      double(points) / double(std::max<std::size_t>(sample.size(), 1));
+  elements.choice =
+      GaussianKernels::Choice{chooseKernels(terms_, part, density).choice.methods, {}};
+}
+
 double
 CloudCRF::setWhole(const CloudSample& whole)
 {
@@ -201,9 +226,10 @@ CloudCRF::setWhole(const CloudSample& whole)
   if (!all.empty())
     sample.extent =
         extentOf(whole.positions.colwise() - medianOf(whole.positions, all));
-  const double density =
-      double(whole.points) / double(std::max<std::size_t>(all.size(), 1));
-  const KernelChoice kernels = chooseKernels(terms_, sample, density);
+  setMethods(sampleByPosition(whole.positions, GaussianKernels::max_sample,
+                              PositionHash(whole.origin)),
+             whole.points, sample);
+  const KernelChoice kernels = chooseKernels(terms_, sample);
   whole_ = Whole{sample.spacing, sample.extent, kernels.choice.methods,
                  whole.origin + whole.low.cast<double>(), whole.colour_low};
   return kernels.reach * haloOf(whole.unlabelled, whole.points,
@@ -220,9 +246,13 @@ CloudCRF::elementsOf(const CloudFields& fields, const pcl::Indices& indices) con
   const Eigen::Vector3f middle = medianOf(fields.positions, indices);
   CRFElements elements = pointElements(fields, indices, middle);
   if (!whole_) {
-    elements.spacing = double(pointSpacing(elements.positions));
+    const auto sample =
+        sampleByPosition(placesOf(fields, indices), GaussianKernels::max_sample,
+                         PositionHash(fields.origin));
+    elements.spacing = double(pointSpacing(elements.positions, sample));
     elements.extent = extentOf(elements.positions);
     elements.tile_size = tile_size_;
+    setMethods(sample, indices.size(), elements);
     return elements;
   }
   elements.spacing = whole_->spacing;
@@ -267,7 +297,7 @@ CloudCRF::setCliques(const std::vector<pcl::PointIndices>& cliques)
 
 LabelDistributions
 CloudCRF::measurements(const CloudFields& fields, const pcl::Indices& indices,
-                       const LabelDistributions* own) const
+                       const LabelDistributions* own)
 {
   const std::size_t count = fields.labels.size();
   if (label_classes_ == 0) {
@@ -276,6 +306,8 @@ CloudCRF::measurements(const CloudFields& fields, const pcl::Indices& indices,
       badParameter("SemanticCRF needs measurements: setLabelDistributions() or "
                    "setLabelConfidence()");
     requireSize("label distributions", std::size_t(measured.size()), count);
+    if (is_measured_once_ && &measured == &measured_)
+      return std::exchange(measured_, LabelDistributions());
     return measured;
   }
   LabelDistributions distributions(label_classes_, Eigen::Index(count));
@@ -348,6 +380,7 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
   const bool zero_is_none = voxels_.empty() && countNoReturns(count, isZero) > 0;
   const pcl::Indices valid =
       validPoints(fields.positions, zero_is_none, indices, skipped_points_);
+  refined_ = LabelDistributions(); // before new memory is needed
   refined_ = measurements(fields, indices, measured);
   for (const pcl::index_t index : indices)
     if (!hasPosition(fields.positions.col(index))) {

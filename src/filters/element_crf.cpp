@@ -100,15 +100,21 @@ struct ResultOptions {
   std::vector<Label> kept; // SemanticCRFParameters::keep_thin applies to these classes
 };
 
-// Writes tempered marginals in place of measurements.
+// The elements of a result, in the order of the marginals.
+struct ResultElements {
+  const pcl::Indices& indices; // of the measurements
+  std::size_t own;             // only smaller indices are written
+  const pcl::Indices* refined; // by index: where to write; null = the same
+};
+
+// Writes tempered marginals.
 // An unlabelled element without messages has a uniform marginal. Such an element stays
 // unlabelled, because its most probable class would be the first one.
-// \param[in] is_wanted whether to write an element, by index; empty = all
 // \param[out] refined may be the measurements
 void
-writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
-            const std::vector<std::uint8_t>& is_wanted, const ResultOptions& options,
-            const LabelDistributions& distributions, LabelDistributions& refined)
+writeResult(const MeanField::Marginals& marginals, const ResultElements& elements,
+            const ResultOptions& options, const LabelDistributions& distributions,
+            LabelDistributions& refined)
 {
   // A kept class loses only if the messages favour another class by more than a factor
   // of e^6, see doc/crf.md#thin-things. The marginals contain the unary odds, which
@@ -128,14 +134,15 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
   const int classes = int(marginals.rows());
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
-    const pcl::index_t i = indices[std::size_t(k)];
-    if (!is_wanted.empty() && !is_wanted[std::size_t(i)])
+    const pcl::index_t i = elements.indices[std::size_t(k)];
+    if (std::size_t(i) >= elements.own)
       continue;
     const auto measured = distributions.matrix().col(i);
     const auto marginal = marginals.col(k);
     if (measured.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
       continue;
-    auto column = refined.matrix().col(i);
+    auto column = refined.matrix().col(
+        elements.refined ? (*elements.refined)[std::size_t(i)] : i);
     if (!isKept(measured, marginal))
       column = marginal;
     else
@@ -151,26 +158,6 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
   }
 }
 
-CRFElements
-partOf(const CRFElements& elements, const ElementTile& tile,
-       const GaussianKernels::Choice& choice)
-{
-  pcl::Indices columns = tile.own;
-  columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
-  CRFElements part;
-  part.total = elements.total;
-  part.indices.reserve(columns.size());
-  for (const pcl::index_t k : columns)
-    part.indices.push_back(elements.indices[std::size_t(k)]);
-  part.positions = gather(elements.positions, columns);
-  if (elements.colours.size() > 0)
-    part.colours = gather(elements.colours, columns);
-  part.spacing = elements.spacing;
-  part.extent = elements.extent;
-  part.choice = choice;
-  return part;
-}
-
 void
 refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
             const ResultOptions& options, CRFReport& report,
@@ -178,46 +165,118 @@ refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements
 {
   MeanField inference(buildModel(terms, cliques, elements, distributions, report));
   inference.run(report.updates);
-  writeResult(inference.marginals(), elements.indices, {}, options, distributions,
-              distributions);
+  writeResult(inference.marginals(), {elements.indices, elements.total, nullptr},
+              options, distributions, distributions);
 }
 
 // Refines tile by tile, so that the memory of a model grows little with the cloud.
-void
-refineTiles(const CRFTerms& terms, CRFElements& elements, const ResultOptions& options,
-            CRFReport& report, LabelDistributions& distributions)
-{
-  const KernelChoice kernels = chooseKernels(terms, elements);
-  LabelDistributions refined; // of the tiles; halos need the measurements
-  std::vector<std::uint8_t> is_own(elements.total, 0);
-  const auto mark = [&](const ElementTile& tile, std::uint8_t value) {
+class TileRefinement {
+public:
+  TileRefinement(const CRFTerms& terms, CRFElements& elements,
+                 const ResultOptions& options, CRFReport& report,
+                 LabelDistributions& distributions)
+      : terms_(terms), elements_(elements), options_(options), report_(report),
+        distributions_(distributions), kernels_(chooseKernels(terms, elements))
+  {
+    limits_.reach = kernels_.reach *
+                    haloOf(report.unlabelled, elements.indices.size(), report.updates);
+    limits_.most = elements.tile_size;
+  }
+
+  void
+  run()
+  {
+    const TileBoxes boxes(elements_.positions, limits_);
+    if (boxes.size() == 1)
+      return refineWhole(terms_, nullptr, elements_, options_, report_, distributions_);
+    saveMeasurements(boxes);
+    forEachTile(elements_.positions, limits_,
+                [&](const ElementTile& tile) { refine(tile); });
+  }
+
+private:
+  // Results replace measurements, so those that other tiles need are saved.
+  void
+  saveMeasurements(const TileBoxes& boxes)
+  {
+    const auto count = Eigen::Index(elements_.indices.size());
+    saved_columns_.assign(elements_.indices.size(), -1);
+    std::vector<Eigen::Index> needed;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      Eigen::Vector3f position = Eigen::Vector3f::Zero();
+      for (Eigen::Index axis = 0; axis < elements_.positions.rows(); ++axis)
+        position[axis] = elements_.positions(axis, k);
+      int near = 0;
+      boxes.forEachNear(position, [&](std::size_t) { ++near; });
+      if (near == 1)
+        continue;
+      saved_columns_[std::size_t(k)] = std::int32_t(needed.size());
+      needed.push_back(elements_.indices[std::size_t(k)]);
+    }
+    saved_.resize(distributions_.classes(), Eigen::Index(needed.size()));
+    for (std::size_t n = 0; n < needed.size(); ++n)
+      saved_.col(Eigen::Index(n)) = distributions_.matrix().col(needed[n]);
+  }
+
+  void
+  refine(const ElementTile& tile)
+  {
+    pcl::Indices columns = tile.own;
+    columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
+    const LabelDistributions measured(measurementsOf(columns));
+    CRFElements part = partOf(columns);
+    MeanField inference(buildModel(terms_, nullptr, part, measured, report_));
+    inference.run(report_.updates);
+    pcl::Indices refined;
     for (const pcl::index_t k : tile.own)
-      is_own[std::size_t(elements.indices[std::size_t(k)])] = value;
-  };
-  TileLimits limits;
-  limits.reach = haloOf(report.unlabelled, elements.indices.size(), report.updates) *
-                 kernels.reach;
-  limits.most = elements.tile_size;
-  bool is_whole = false;
-  forEachTile(elements.positions, limits, [&](const ElementTile& tile) {
-    is_whole = tile.own.size() == elements.indices.size();
-    if (is_whole)
-      return;
-    if (refined.empty())
-      refined = distributions;
-    CRFElements part = partOf(elements, tile, kernels.choice);
-    mark(tile, 1);
-    MeanField inference(buildModel(terms, nullptr, part, distributions, report));
-    inference.run(report.updates);
-    writeResult(inference.marginals(), part.indices, is_own, options, distributions,
-                refined);
-    mark(tile, 0);
-  });
-  if (is_whole)
-    refineWhole(terms, nullptr, elements, options, report, distributions);
-  else
-    distributions = std::move(refined);
-}
+      refined.push_back(elements_.indices[std::size_t(k)]);
+    writeResult(inference.marginals(), {part.indices, tile.own.size(), &refined},
+                options_, measured, distributions_);
+  }
+
+  LabelDistributions::Matrix
+  measurementsOf(const pcl::Indices& columns) const
+  {
+    LabelDistributions::Matrix measured(distributions_.classes(),
+                                        Eigen::Index(columns.size()));
+#pragma omp parallel for schedule(static)
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto column = std::size_t(columns[k]);
+      if (saved_columns_[column] >= 0)
+        measured.col(Eigen::Index(k)) = saved_.col(saved_columns_[column]);
+      else
+        measured.col(Eigen::Index(k)) =
+            distributions_.matrix().col(elements_.indices[column]);
+    }
+    return measured;
+  }
+
+  CRFElements
+  partOf(const pcl::Indices& columns) const
+  {
+    CRFElements part;
+    part.total = columns.size();
+    part.indices.resize(columns.size());
+    std::iota(part.indices.begin(), part.indices.end(), 0);
+    part.positions = gather(elements_.positions, columns);
+    if (elements_.colours.size() > 0)
+      part.colours = gather(elements_.colours, columns);
+    part.spacing = elements_.spacing;
+    part.extent = elements_.extent;
+    part.choice = kernels_.choice;
+    return part;
+  }
+
+  const CRFTerms& terms_;
+  CRFElements& elements_;
+  const ResultOptions& options_;
+  CRFReport& report_;
+  LabelDistributions& distributions_;
+  const KernelChoice kernels_;
+  TileLimits limits_;
+  std::vector<std::int32_t> saved_columns_; // by element; -1 = not saved
+  LabelDistributions::Matrix saved_;
+};
 
 } // namespace
 
@@ -286,7 +345,7 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
   report.updates = parameters.iterations;
   if (!terms.usesCliques() && terms.kernels.empty() &&
       elements.indices.size() > elements.tile_size)
-    refineTiles(terms, elements, options, report, distributions);
+    TileRefinement(terms, elements, options, report, distributions).run();
   else
     refineWhole(terms, cliques, elements, options, report, distributions);
   return report;

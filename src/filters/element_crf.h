@@ -24,7 +24,7 @@ struct CRFElements {
   Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   double spacing = 0.0;      ///< CRFReport::spacing
   double extent = 0.0;       ///< CRFReport::extent
-  /// The kernels of the whole, if these elements are a part of it.
+  /// The kernels' methods; of a part of elements also the lattices of the whole.
   std::optional<GaussianKernels::Choice> choice;
   /// More elements are refined in tiles of at most as many.
   std::size_t tile_size = std::numeric_limits<std::size_t>::max();

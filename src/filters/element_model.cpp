@@ -267,6 +267,8 @@ chooseKernels(const CRFTerms& terms, const CRFElements& elements, double density
   KernelChoice kernels;
   kernels.choice = GaussianKernels::choose(elements.positions, gaussians,
                                            kernelOptions(parameters), density);
+  if (elements.choice)
+    kernels.choice.methods = elements.choice->methods;
   for (std::size_t m = 0; m < gaussians.size(); ++m) {
     const double radius =
         kernels.choice.methods[m] == KernelMethod::lattice ? 3.0 : parameters.radius;

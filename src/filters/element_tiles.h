@@ -75,10 +75,12 @@ private:
     const Node& node = nodes_[std::size_t(at)];
     if (node.left < 0)
       return visit(node.box);
-    const float coordinate = position[node.axis];
-    if (coordinate - reach_ < node.middle)
+    // Rounds outward: halos are computed in single precision.
+    const double reach = double(reach_) * (1.0 + 1e-6);
+    const double offset = double(position[node.axis]) - double(node.middle);
+    if (offset <= reach)
       descend(node.left, position, visit);
-    if (coordinate + reach_ >= node.middle)
+    if (offset >= -reach)
       descend(node.right, position, visit);
   }
 

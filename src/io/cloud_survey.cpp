@@ -4,6 +4,8 @@
 #include "core/fail.h"
 #include "core/point_spacing.h"
 
+#include <pcl_semantic/core/exceptions.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,17 +17,22 @@ namespace pcl_semantic {
 namespace {
 
 constexpr std::size_t kSampleSize = std::size_t(1) << 19;
-constexpr std::size_t kSpacingSample = 128;
 
 // Whether a point is in a random sample of some in all.
 bool
-isSampled(std::uint64_t point, std::size_t some, std::size_t all)
+isSampled(std::uint64_t hash, std::size_t some, std::size_t all)
 {
-  std::uint64_t hash = (point + 1) * 0x9e3779b97f4a7c15u;
-  hash ^= hash >> 32;
-  hash *= 0xbf58476d1ce4e5b9u;
-  hash ^= hash >> 29;
   return double(hash >> 11) * 0x1p-53 * double(all) < double(some);
+}
+
+// Without numbers: doubts of two blocks may differ in their figures.
+std::string
+withoutNumbers(std::string text)
+{
+  text.erase(std::remove_if(text.begin(), text.end(),
+                            [](char c) { return c >= '0' && c <= '9'; }),
+             text.end());
+  return text;
 }
 
 // Written so that NaN fails.
@@ -51,11 +58,13 @@ public:
   survey()
   {
     forEachBlock(reader_, [&](std::size_t first, PcdTable table) {
-      const LabelledCloud block =
-          labelledCloudOf(std::move(table), reader_.path(), mapping_);
+      const LabelledCloud block = cloudOf(std::move(table), first);
       requireSameKind(block, first);
-      addFigures(block);
-      addSample(block, first);
+      addDoubts(block);
+      if (first == 0)
+        survey_.sample.origin = block.origin;
+      const std::vector<bool> has_place = addSample(block);
+      addFigures(block, has_place, first);
       step_();
     });
     if (survey_.no_returns == 1)
@@ -65,6 +74,19 @@ public:
   }
 
 private:
+  LabelledCloud
+  cloudOf(PcdTable table, std::size_t first) const
+  {
+    try {
+      return labelledCloudOf(std::move(table), reader_.path(), mapping_);
+    }
+    catch (const BadInputException& error) {
+      if (first == 0)
+        throw;
+      badInput(error.what(), " (points are counted from point ", first, " on)");
+    }
+  }
+
   void
   requireSameKind(const LabelledCloud& block, std::size_t first)
   {
@@ -84,48 +106,59 @@ private:
     found.classes = block.distributions.classes();
     found.label_source = block.table.label_source;
     if (first > 0 && kindOf(found) != kindOf(survey_))
-      badInput(reader_.path(), ": the fields of points ", first, " to ",
-               first + block.cloud->size() - 1,
-               " have another meaning than those before: labels from '",
-               found.label_source, "' and ", found.classes,
-               " probabilities, expected '", survey_.label_source, "' and ",
-               survey_.classes);
+      badInput(block.table.doubts.empty()
+                   ? reader_.path() + ": fields have another meaning"
+                   : block.table.doubts.front(),
+               "; only points ", first, " to ", first + block.cloud->size() - 1,
+               " are read so, not those before: the cloud has to be read as a whole");
     std::tie(survey_.has_labels, survey_.has_colour, survey_.classes,
              survey_.label_source) = kindOf(found);
   }
 
   void
-  addFigures(const LabelledCloud& block)
+  addDoubts(const LabelledCloud& block)
   {
     for (const std::string& doubt : block.table.doubts)
-      if (!std::count(survey_.doubts.begin(), survey_.doubts.end(), doubt))
+      if (std::none_of(survey_.doubts.begin(), survey_.doubts.end(),
+                       [&](const std::string& known) {
+                         return withoutNumbers(known) == withoutNumbers(doubt);
+                       }))
         survey_.doubts.push_back(doubt);
+  }
+
+  void
+  addFigures(const LabelledCloud& block, const std::vector<bool>& has_place,
+             std::size_t first)
+  {
     const auto& matrix = block.distributions.matrix();
     for (std::size_t i = 0; i < block.cloud->size(); ++i) {
       const std::uint32_t label = (*block.cloud)[i].label;
       survey_.largest_label = std::max(survey_.largest_label, label);
+      std::size_t& of_label = survey_.first_of_label[std::min(label, 255u)];
+      of_label = std::min(of_label, first + i);
       bool has_preference = label != kUnlabelled;
       bool has_measurement = has_preference;
       if (survey_.classes > 0) {
         const auto column = matrix.col(Eigen::Index(i));
         has_preference = column.maxCoeff() - column.minCoeff() >= 1e-6f;
         has_measurement = !column.isZero(0.0f);
-        if (has_preference)
+        if (has_preference && has_place[i])
           survey_.class_sums.head(survey_.classes) += column.cast<double>();
       }
-      else if (has_preference)
+      else if (has_preference && has_place[i])
         survey_.class_sums[Eigen::Index(label) - 1] += 1.0;
       survey_.without_preference += !has_preference;
-      survey_.sample.unlabelled += !has_measurement;
+      survey_.sample.unlabelled += !has_measurement && has_place[i];
     }
   }
 
-  void
-  addSample(const LabelledCloud& block, std::size_t first)
+  // \return which points have a place; without those at 0 0 0, which may have none
+  std::vector<bool>
+  addSample(const LabelledCloud& block)
   {
     CloudSample& sample = survey_.sample;
-    if (first == 0)
-      sample.origin = block.origin;
+    const PositionHash hash(sample.origin);
+    std::vector<bool> has_place(block.cloud->size(), false);
     const CloudPositions positions(block);
     for (std::size_t i = 0; i < block.cloud->size(); ++i) {
       const pcl::PointXYZRGBL& point = (*block.cloud)[i];
@@ -135,15 +168,17 @@ private:
       const Eigen::Vector3f position = (absolute - sample.origin).cast<float>();
       if (is_zero || !isNear(position))
         continue;
+      has_place[i] = true;
       sample.low = sample.low.cwiseMin(position);
       const Eigen::Vector3f colour(float(point.r), float(point.g), float(point.b));
       sample.colour_low = sample.colour_low.cwiseMin(colour);
-      if (!isSampled(first + i, kSampleSize, reader_.size()))
+      if (!isSampled(hash(position), kSampleSize, reader_.size()))
         continue;
       positions_.push_back(position);
       if (block.has_colour)
         colours_.push_back(colour);
     }
+    return has_place;
   }
 
   static Eigen::Matrix3Xf
@@ -209,14 +244,15 @@ measureSpacing(PcdReader& reader, const std::function<void()>& step,
                CloudSurvey& survey)
 {
   const Eigen::Matrix3Xf& positions = survey.sample.positions;
-  const auto chosen = sampleByPosition(positions, kSpacingSample);
-  Eigen::MatrixXf points(3, Eigen::Index(chosen.size()));
+  const auto chosen = sampleByPosition(positions, sizeOfSpacingSample(reader.size()),
+                                       PositionHash(survey.sample.origin));
+  Eigen::Matrix3Xf points(3, Eigen::Index(chosen.size()));
   for (Eigen::Index k = 0; k < points.cols(); ++k)
     points.col(k) = positions.col(chosen[std::size_t(k)]);
   SpacingSample spacing(points);
   forEachBlock(reader, [&](std::size_t, const PcdTable& table) {
     const Eigen::Matrix3Xf all = survey.placesOf(table).positions;
-    Eigen::MatrixXf axes(all.cols(), 3);
+    Eigen::MatrixX3f axes(all.cols(), 3);
     Eigen::Index rows = 0;
     for (Eigen::Index i = 0; i < all.cols(); ++i)
       if (isNear(all.col(i)))

@@ -34,12 +34,14 @@ struct PointPlaces {
 struct CloudSurvey {
   bool has_labels = false;
   bool has_colour = false;
-  int classes = 0;                    ///< of the probabilities; 0 = labels only
-  std::uint32_t largest_label = 0;    ///< of the points
-  std::string label_source;           ///< PcdTable::label_source
-  std::vector<std::string> doubts;    ///< of the reader, each once
-  std::size_t no_returns = 0;         ///< see countNoReturns()
-  std::size_t without_place = 0;      ///< points that placesOf() has as NaN
+  int classes = 0;                 ///< of the probabilities; 0 = labels only
+  std::uint32_t largest_label = 0; ///< of the points
+  std::vector<std::size_t> first_of_label =
+      std::vector<std::size_t>(256, SIZE_MAX); ///< point; SIZE_MAX = no such label
+  std::string label_source;                    ///< PcdTable::label_source
+  std::vector<std::string> doubts;             ///< of the reader, each once
+  std::size_t no_returns = 0;                  ///< see countNoReturns()
+  std::size_t without_place = 0;               ///< points that placesOf() has as NaN
   std::size_t without_preference = 0; ///< points without a label, or with equal
                                       ///< probabilities
   Eigen::VectorXd class_sums; ///< of the probabilities, or numbers of points by label,

@@ -36,12 +36,12 @@ boxOfNoReturn(std::size_t number, std::size_t all, std::size_t boxes)
   return std::min(number / together, groups - 1) % boxes;
 }
 
+// The same position for all points of a voxel.
 Eigen::Vector3f
-centreOfVoxel(const Eigen::Vector3f& position, const Eigen::Vector3d& origin,
+centreOfVoxel(const Eigen::Vector3d& absolute, const Eigen::Vector3d& origin,
               double size)
 {
-  const Eigen::Array3d voxel =
-      ((position.cast<double>() + origin).array() / size).floor();
+  const Eigen::Array3d voxel = (absolute.array() / size).floor();
   return ((voxel + 0.5) * size - origin.array()).cast<float>();
 }
 
@@ -59,6 +59,8 @@ CloudTiles::CloudTiles(PcdReader& reader, const CloudSurvey& survey,
   std::size_t no_returns = 0;
   forEachBlock(reader, [&](std::size_t first, const PcdTable& table) {
     const PointPlaces places = survey.placesOf(table);
+    const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
+        z(table, table.find("z"));
     for (std::size_t i = 0; i < table.points(); ++i) {
       const auto put = [&](std::size_t box, bool is_around) {
         const std::uint64_t number = (first + i) * 2 + (is_around ? 1 : 0);
@@ -66,6 +68,7 @@ CloudTiles::CloudTiles(PcdReader& reader, const CloudSurvey& survey,
         std::copy_n(table.data.data() + i * table.point_step, table.point_step,
                     row.data() + kNumberSize);
         store_.append(box, row.data());
+        around_ += is_around ? 1 : 0;
       };
       Eigen::Vector3f position = places.positions.col(Eigen::Index(i));
       if (!position.allFinite()) {
@@ -76,7 +79,8 @@ CloudTiles::CloudTiles(PcdReader& reader, const CloudSurvey& survey,
         continue;
       }
       if (options.voxel_size > 0.0)
-        position = centreOfVoxel(position, survey.sample.origin, options.voxel_size);
+        position =
+            centreOfVoxel({x(i), y(i), z(i)}, survey.sample.origin, options.voxel_size);
       last = boxes_.boxOf(position);
       put(last, false);
       if (options.reach > 0.0)
@@ -85,6 +89,7 @@ CloudTiles::CloudTiles(PcdReader& reader, const CloudSurvey& survey,
             put(box, true);
         });
     }
+    points_ += table.points();
     step();
   });
 }

@@ -5,6 +5,7 @@
 #include "files/row_store.h"
 #include "filters/element_tiles.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -42,10 +43,18 @@ public:
 
   CloudTile read(std::size_t tile) const;
 
+  /** \brief Points around the tiles for each point of the cloud. */
+  double
+  shareAround() const
+  {
+    return double(around_) / double(std::max<std::size_t>(points_, 1));
+  }
+
 private:
   PcdTable header_;
   TileBoxes boxes_;
   RowStore store_;
+  std::size_t points_ = 0, around_ = 0;
 };
 
 } // namespace pcl_semantic

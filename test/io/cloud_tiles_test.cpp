@@ -147,7 +147,7 @@ TEST_F(CloudTilesTest, KnowTheWholeCloud)
   EXPECT_EQ(survey.largest_label, 3u);
   EXPECT_TRUE(survey.has_labels);
   EXPECT_FALSE(survey.has_colour);
-  EXPECT_EQ(survey.class_sums.head(3), Eigen::Vector3d::Constant(10000.0));
+  EXPECT_EQ(survey.class_sums.head(3), Eigen::Vector3d::Constant(9990.0));
   EXPECT_LT(survey.sample.low.maxCoeff(), 0.01f);
   // Poisson: the fourth neighbour's mean distance at 250 points a cubic metre.
   EXPECT_NEAR(survey.sample.spacing, 0.155, 0.02);

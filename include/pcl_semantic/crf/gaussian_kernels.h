@@ -109,8 +109,12 @@ public:
   List make(const Eigen::MatrixXf& positions,
             const std::vector<GaussianTerm>& terms) const;
 
+  /** \brief Points that meanNeighbours() looks at. */
+  static constexpr std::size_t max_sample = 8192;
+
   /** \brief Mean number of points within \a reach of a point, itself included;
-   * estimated from 64 points. For large clouds their neighbours are sampled too. */
+   * estimated from 64 points. If there are more than max_sample, their neighbours are
+   * sampled too. */
   static double meanNeighbours(const Eigen::Matrix3Xf& positions, float reach);
 
 private:

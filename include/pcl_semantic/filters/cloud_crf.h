@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -52,6 +53,17 @@ public:
   setLabelDistributions(const LabelDistributions& distributions)
   {
     measured_ = distributions;
+    is_measured_once_ = false;
+    label_classes_ = 0;
+  }
+
+  /** \brief Does the same as setLabelDistributions() without a copy, for the next run
+   * only. */
+  void
+  giveLabelDistributions(LabelDistributions&& distributions)
+  {
+    measured_ = std::move(distributions);
+    is_measured_once_ = true;
     label_classes_ = 0;
   }
 
@@ -138,6 +150,13 @@ public:
     return refined_;
   }
 
+  /** \brief Moves the refined distributions out, see getLabelDistributions(). */
+  LabelDistributions
+  takeLabelDistributions()
+  {
+    return std::exchange(refined_, LabelDistributions());
+  }
+
   /** \brief Number of points skipped by the last filter().
    *
    * A point with a coordinate that is not finite or beyond max_coordinate gets label 0
@@ -216,13 +235,17 @@ private:
   };
 
   LabelDistributions measurements(const CloudFields& cloud, const pcl::Indices& indices,
-                                  const LabelDistributions* own) const;
+                                  const LabelDistributions* own);
 
   std::vector<pcl::PointIndices> makeCliques(const CloudFields& cloud) const;
 
   CRFElements elementsOf(const CloudFields& cloud, const pcl::Indices& valid) const;
 
+  void setMethods(const std::vector<Eigen::Index>& sample, std::size_t points,
+                  CRFElements& elements) const;
+
   LabelDistributions measured_;
+  bool is_measured_once_ = false; // giveLabelDistributions()
   double label_confidence_ = 0.0;
   int label_classes_ = 0; // 0 = distributions were set
   std::vector<VoxelIndex> voxels_;
