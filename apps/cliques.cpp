@@ -248,7 +248,7 @@ colourCliques(const std::vector<pcl::PointIndices>& cliques,
   }
 }
 
-// Measured with supervoxels (doc/formats.md).
+// Measured with supervoxels.
 constexpr CloudNeeds kNeeds{0.0, 600.0};
 
 // Names the file in errors.

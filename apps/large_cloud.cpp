@@ -107,7 +107,7 @@ CloudSurvey
 surveyWithProgress(PcdReader& reader, const LabelMapping* mapping,
                    bool measures_spacing)
 {
-  ProgressBar progress("reading", (measures_spacing ? 2 : 1) * blocksOf(reader),
+  ProgressBar progress("reading", (measures_spacing ? 3 : 2) * blocksOf(reader),
                        "blocks");
   const auto step = [&] { progress.step(); };
   CloudSurvey survey = surveyCloud(reader, mapping, step);

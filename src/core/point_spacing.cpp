@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -27,14 +26,12 @@ medianOf(std::vector<float> values)
 std::uint64_t
 PositionHash::operator()(const Eigen::Vector3f& position) const
 {
+  // Rounded to about a millimetre, so that the last bits do not matter.
+  constexpr double steps = 1024.0; // in a metre
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
   for (int axis = 0; axis < 3; ++axis) {
-    std::uint64_t bits = 0;
-    if (is_exact_)
-      std::memcpy(&bits, &position[axis], sizeof(float));
-    else
-      bits = std::uint64_t(
-          std::llround((double(position[axis]) + origin_[axis]) * 1024.0));
+    const auto bits =
+        std::uint64_t(std::llround((double(position[axis]) - low_[axis]) * steps));
     hash = (hash ^ bits) * 0xbf58476d1ce4e5b9u;
     hash ^= hash >> 29;
   }
@@ -56,6 +53,15 @@ sampleByPosition(const Eigen::Matrix3Xf& positions, std::size_t count,
   for (std::size_t k = 0; k < count; ++k)
     sample.push_back(hashes[k].second);
   return sample;
+}
+
+std::vector<Eigen::Index>
+sampleByPosition(const Eigen::Matrix3Xf& positions, std::size_t count)
+{
+  if (positions.cols() == 0)
+    return {};
+  return sampleByPosition(positions, count,
+                          PositionHash(positions.rowwise().minCoeff()));
 }
 
 std::size_t

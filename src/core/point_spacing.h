@@ -13,21 +13,16 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A hash of positions, for samples that depend neither on the order of the
- * points nor on the origin that was subtracted from them. */
+ * points nor on their origin. */
 class PositionHash {
 public:
-  /** \param[in] origin of the positions [m]. Zero: their bits are hashed. Otherwise
-   * single precision has rounded them, so they are rounded to about a millimetre */
-  explicit PositionHash(const Eigen::Vector3d& origin = Eigen::Vector3d::Zero())
-      : origin_(origin), is_exact_(origin.isZero(0.0))
-  {}
+  /** \param[in] low least coordinates of all points */
+  explicit PositionHash(const Eigen::Vector3f& low) : low_(low.cast<double>()) {}
 
-  /** \param[in] position relative to the origin */
   std::uint64_t operator()(const Eigen::Vector3f& position) const;
 
 private:
-  Eigen::Vector3d origin_;
-  bool is_exact_;
+  Eigen::Vector3d low_;
 };
 
 /** \brief The points with the least hashes, in that order.
@@ -35,8 +30,11 @@ private:
  * \param[in] count of the sample; fewer points are all in it
  * \return their columns */
 std::vector<Eigen::Index> sampleByPosition(const Eigen::Matrix3Xf& positions,
-                                           std::size_t count,
-                                           const PositionHash& hash = PositionHash());
+                                           std::size_t count, const PositionHash& hash);
+
+/** \brief Does the same with a hash of these positions. */
+std::vector<Eigen::Index> sampleByPosition(const Eigen::Matrix3Xf& positions,
+                                           std::size_t count);
 
 /** \brief Points in the sample of a cloud's spacing, by the size of the cloud. */
 std::size_t sizeOfSpacingSample(std::size_t points);

@@ -90,12 +90,6 @@ extentOf(const Eigen::MatrixXf& positions)
   return double(*middle);
 }
 
-Eigen::Matrix3Xf
-placesOf(const CloudFields& fields, const pcl::Indices& indices)
-{
-  return gather(fields.positions, indices);
-}
-
 // Minimum per coordinate.
 VoxelIndex
 cornerOf(const std::vector<VoxelIndex>& voxels, const pcl::Indices& indices)
@@ -218,8 +212,8 @@ CloudCRF::setWhole(const CloudSample& whole)
 {
   CRFElements sample;
   sample.positions = whole.positions;
-  if (use_colour_)
-    sample.colours = whole.colours;
+  if (use_colour_ && whole.has_colour)
+    sample.colours.setZero(3, whole.positions.cols());
   sample.spacing = whole.spacing;
   pcl::Indices all(std::size_t(whole.positions.cols()));
   std::iota(all.begin(), all.end(), 0);
@@ -227,7 +221,7 @@ CloudCRF::setWhole(const CloudSample& whole)
     sample.extent =
         extentOf(whole.positions.colwise() - medianOf(whole.positions, all));
   setMethods(sampleByPosition(whole.positions, GaussianKernels::max_sample,
-                              PositionHash(whole.origin)),
+                              PositionHash(whole.low)),
              whole.points, sample);
   const KernelChoice kernels = chooseKernels(terms_, sample);
   whole_ = Whole{sample.spacing, sample.extent, kernels.choice.methods,
@@ -246,9 +240,8 @@ CloudCRF::elementsOf(const CloudFields& fields, const pcl::Indices& indices) con
   const Eigen::Vector3f middle = medianOf(fields.positions, indices);
   CRFElements elements = pointElements(fields, indices, middle);
   if (!whole_) {
-    const auto sample =
-        sampleByPosition(placesOf(fields, indices), GaussianKernels::max_sample,
-                         PositionHash(fields.origin));
+    const auto sample = sampleByPosition(gather(fields.positions, indices),
+                                         GaussianKernels::max_sample);
     elements.spacing = double(pointSpacing(elements.positions, sample));
     elements.extent = extentOf(elements.positions);
     elements.tile_size = tile_size_;

@@ -63,13 +63,19 @@ public:
       addDoubts(block);
       if (first == 0)
         survey_.sample.origin = block.origin;
-      const std::vector<bool> has_place = addSample(block);
+      const std::vector<bool> has_place = placesOf(block);
       addFigures(block, has_place, first);
       step_();
     });
-    if (survey_.no_returns == 1)
-      survey_.no_returns = 0; // may be real
-    finishSample();
+    CloudSample& sample = survey_.sample;
+    sample.has_colour = survey_.has_colour;
+    if (survey_.no_returns == 1) { // may be real
+      survey_.no_returns = 0;
+      sample.low = sample.low.cwiseMin((-sample.origin).cast<float>());
+    }
+    takeSample();
+    if (sample.positions.cols() == 0)
+      sample.low.setZero();
     return std::move(survey_);
   }
 
@@ -152,12 +158,11 @@ private:
     }
   }
 
-  // \return which points have a place; without those at 0 0 0, which may have none
+  // \return which points have a place; those at 0 0 0 may have none
   std::vector<bool>
-  addSample(const LabelledCloud& block)
+  placesOf(const LabelledCloud& block)
   {
     CloudSample& sample = survey_.sample;
-    const PositionHash hash(sample.origin);
     std::vector<bool> has_place(block.cloud->size(), false);
     const CloudPositions positions(block);
     for (std::size_t i = 0; i < block.cloud->size(); ++i) {
@@ -172,38 +177,32 @@ private:
       sample.low = sample.low.cwiseMin(position);
       const Eigen::Vector3f colour(float(point.r), float(point.g), float(point.b));
       sample.colour_low = sample.colour_low.cwiseMin(colour);
-      if (!isSampled(hash(position), kSampleSize, reader_.size()))
-        continue;
-      positions_.push_back(position);
-      if (block.has_colour)
-        colours_.push_back(colour);
     }
     return has_place;
   }
 
-  static Eigen::Matrix3Xf
-  matrixOf(const std::vector<Eigen::Vector3f>& columns)
-  {
-    Eigen::Matrix3Xf matrix(3, Eigen::Index(columns.size()));
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      matrix.col(Eigen::Index(i)) = columns[i];
-    return matrix;
-  }
-
   void
-  finishSample()
+  takeSample()
   {
-    survey_.sample.positions = matrixOf(positions_);
-    survey_.sample.colours = matrixOf(colours_);
-    if (positions_.empty())
-      survey_.sample.low.setZero();
+    const PositionHash hash(survey_.sample.low);
+    std::vector<Eigen::Vector3f> positions;
+    forEachBlock(reader_, [&](std::size_t, const PcdTable& table) {
+      const Eigen::Matrix3Xf all = survey_.placesOf(table).positions;
+      for (Eigen::Index i = 0; i < all.cols(); ++i)
+        if (isNear(all.col(i)) &&
+            isSampled(hash(all.col(i)), kSampleSize, reader_.size()))
+          positions.push_back(all.col(i));
+      step_();
+    });
+    survey_.sample.positions.resize(3, Eigen::Index(positions.size()));
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      survey_.sample.positions.col(Eigen::Index(i)) = positions[i];
   }
 
   PcdReader& reader_;
   const LabelMapping* mapping_;
   const std::function<void()>& step_;
   CloudSurvey survey_;
-  std::vector<Eigen::Vector3f> positions_, colours_;
 };
 
 } // namespace
@@ -245,7 +244,7 @@ measureSpacing(PcdReader& reader, const std::function<void()>& step,
 {
   const Eigen::Matrix3Xf& positions = survey.sample.positions;
   const auto chosen = sampleByPosition(positions, sizeOfSpacingSample(reader.size()),
-                                       PositionHash(survey.sample.origin));
+                                       PositionHash(survey.sample.low));
   Eigen::Matrix3Xf points(3, Eigen::Index(chosen.size()));
   for (Eigen::Index k = 0; k < points.cols(); ++k)
     points.col(k) = positions.col(chosen[std::size_t(k)]);

@@ -55,14 +55,14 @@ struct CloudSurvey {
 
 /** \brief Reads a cloud in blocks, and what tiles of it have to know but the spacing.
  * \param[in] mapping as in readLabelledCloud()
- * \param[in] step is called after each block
+ * \param[in] step is called after each block, in two rounds
  * \throws BadInputException as readLabelledCloud(), or if blocks are read differently,
  * so that the cloud has to be read as a whole */
 CloudSurvey surveyCloud(PcdReader& reader, const LabelMapping* mapping,
                         const std::function<void()>& step);
 
 /** \brief Measures the spacing and the points without a place of a surveyed cloud, in
- * a second round over its blocks. */
+ * a third round over its blocks. */
 void measureSpacing(PcdReader& reader, const std::function<void()>& step,
                     CloudSurvey& survey);
 

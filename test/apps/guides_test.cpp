@@ -106,8 +106,8 @@ isPartOf(const std::string& source, const CodeBlock& block)
 
 const std::string docs = PCL_SEMANTIC_SOURCE_DIR "/doc/";
 const char* const readme = PCL_SEMANTIC_SOURCE_DIR "/README.md";
-const char* const guides[] = {"tutorial.md", "own_clouds.md", "own_network.md",
-                              "how_it_works.md", "viewing.md"};
+const char* const guides[] = {"tutorial.md",     "own_clouds.md", "own_network.md",
+                              "how_it_works.md", "viewing.md",    "survey.md"};
 
 // The project, and what its reader brings along: cameras and networks.
 void

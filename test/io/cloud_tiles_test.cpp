@@ -151,7 +151,7 @@ TEST_F(CloudTilesTest, KnowTheWholeCloud)
   EXPECT_LT(survey.sample.low.maxCoeff(), 0.01f);
   // Poisson: the fourth neighbour's mean distance at 250 points a cubic metre.
   EXPECT_NEAR(survey.sample.spacing, 0.155, 0.02);
-  EXPECT_EQ(steps, 2);
+  EXPECT_EQ(steps, 3);
 }
 
 TEST_F(CloudTilesTest, AreWrittenInTheOrderOfTheirNumbers)

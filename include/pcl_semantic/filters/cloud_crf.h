@@ -37,7 +37,7 @@ struct CloudSample {
   double spacing = 0.0;       ///< CRFReport::spacing
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
   Eigen::Matrix3Xf positions; ///< of the sample, relative to `origin`, finite [m]
-  Eigen::Matrix3Xf colours;   ///< of the sample, 0..255; empty = no colour
+  bool has_colour = false;    ///< of the points
   Eigen::Vector3f low;        ///< least coordinates of the cloud, as `positions` [m]
   Eigen::Vector3f colour_low; ///< least colours of the cloud
 };
