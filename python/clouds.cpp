@@ -12,6 +12,7 @@
 #include <pcl/common/io.h>
 
 #include <map>
+#include <utility>
 
 namespace pcl_semantic::python {
 
@@ -141,7 +142,7 @@ refine(const py::object& points, const py::object& probabilities,
     LabelDistributions distributions = distributionsOf(probabilities, count);
     if (distributions.classes() == 0) // without points
       return py::make_tuple(labelsOf(*cloud), arrayOf(std::move(distributions)));
-    crf.setLabelDistributions(distributions);
+    crf.giveLabelDistributions(std::move(distributions));
   }
   else {
     const int largest = setLabels(*labels, classes, *cloud);
@@ -155,7 +156,7 @@ refine(const py::object& points, const py::object& probabilities,
   crf.setOrigin(origin);
   crf.setInputCloud(cloud);
   released([&, &output = *cloud] { crf.filter(output); });
-  return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
+  return py::make_tuple(labelsOf(*cloud), arrayOf(crf.takeLabelDistributions()));
 }
 
 // Numbers the groups from 1; 0 = in none.
