@@ -282,10 +282,7 @@ numbersOf(const std::vector<pcl::PointIndices>& cliques, std::size_t points,
   std::vector<std::uint32_t> numbers(points, 0);
   std::size_t number = before;
   for (const pcl::PointIndices& clique : cliques) {
-    const bool is_of_tile =
-        std::any_of(clique.indices.begin(), clique.indices.end(),
-                    [&](pcl::index_t i) { return std::size_t(i) < own; });
-    if (!is_of_tile)
+    if (countOwn(clique, own) == 0)
       continue;
     ++number;
     for (const pcl::index_t i : clique.indices)

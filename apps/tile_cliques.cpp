@@ -25,16 +25,22 @@ cliquesOf(const LabelledCloud& cloud, CliqueGenerator& generator)
   return generator.generate(points);
 }
 
+std::size_t
+countOwn(const pcl::PointIndices& clique, std::size_t own)
+{
+  return std::size_t(
+      std::count_if(clique.indices.begin(), clique.indices.end(),
+                    [&](pcl::index_t i) { return std::size_t(i) < own; }));
+}
+
 CliqueCounts
 countCliques(const std::vector<pcl::PointIndices>& cliques, std::size_t own)
 {
   CliqueCounts counts;
   for (const pcl::PointIndices& clique : cliques) {
-    const auto of_tile =
-        std::count_if(clique.indices.begin(), clique.indices.end(),
-                      [&](pcl::index_t i) { return std::size_t(i) < own; });
+    const std::size_t of_tile = countOwn(clique, own);
     counts.of_tile += of_tile > 0;
-    counts.cut += of_tile > 0 && std::size_t(of_tile) < clique.indices.size();
+    counts.cut += of_tile > 0 && of_tile < clique.indices.size();
   }
   return counts;
 }

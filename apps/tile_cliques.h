@@ -19,6 +19,9 @@ void setMeanPositions(const LabelledCloud& cloud, CliqueGenerator& generator);
 std::vector<pcl::PointIndices> cliquesOf(const LabelledCloud& cloud,
                                          CliqueGenerator& generator);
 
+/** \brief Points of a clique that are in a tile, whose points are the first \a own. */
+std::size_t countOwn(const pcl::PointIndices& clique, std::size_t own);
+
 /** \brief Numbers of the cliques of a tile and its surroundings. */
 struct CliqueCounts {
   std::size_t of_tile = 0; ///< with points of the tile

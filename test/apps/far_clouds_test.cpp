@@ -4,6 +4,7 @@
 // result as the same cloud near the origin.
 
 #include "support/bad_case.h"
+#include "support/column_of.h"
 
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -52,16 +53,6 @@ surfaces(const Eigen::Vector3d& shift)
   table.setColumn("rgba", colours);
   table.setColumn("label", labels);
   return table;
-}
-
-std::vector<double>
-columnOf(const PcdTable& table, const std::string& name)
-{
-  const PcdColumn column(table, table.find(name));
-  std::vector<double> values;
-  for (std::size_t i = 0; i < table.points(); ++i)
-    values.push_back(column(i));
-  return values;
 }
 
 } // namespace

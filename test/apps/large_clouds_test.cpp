@@ -3,6 +3,7 @@
 // Clouds that are read in tiles, because --memory is too small for them: the results
 // are those of the whole cloud in memory.
 
+#include "support/column_of.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
@@ -62,16 +63,6 @@ survey(const Eigen::Vector3d& shift)
   table.setColumn("label", labels);
   table.setColumn("number", numbers);
   return table;
-}
-
-std::vector<double>
-columnOf(const PcdTable& table, const std::string& name)
-{
-  const PcdColumn column(table, table.find(name));
-  std::vector<double> values;
-  for (std::size_t i = 0; i < table.points(); ++i)
-    values.push_back(column(i));
-  return values;
 }
 
 double

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -62,6 +63,14 @@ protected:
     return position;
   }
 
+  std::unique_ptr<CloudTiles>
+  divide(const TileOptions& options)
+  {
+    PcdReader reader(path);
+    const CloudSurvey survey = surveyCloud(reader, nullptr, step);
+    return std::make_unique<CloudTiles>(reader, survey, options, folder.path(""), step);
+  }
+
   const TemporaryFolder folder;
   const std::string path = folder.path("cloud.pcd");
   const PcdTable table = numberedPoints();
@@ -83,12 +92,11 @@ numbersOf(const CloudTile& tile)
 
 TEST_F(CloudTilesTest, HaveEachPointOnceAndAllPointsAroundTheirOwn)
 {
-  PcdReader reader(path);
-  const CloudSurvey survey = surveyCloud(reader, nullptr, step);
   TileOptions options;
   options.reach = 0.5;
   options.most = 6000;
-  const CloudTiles tiles(reader, survey, options, folder.path(""), step);
+  const auto divided = divide(options);
+  const CloudTiles& tiles = *divided;
   EXPECT_GT(tiles.size(), 5u);
   std::vector<int> owners(kPoints, 0);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -119,12 +127,11 @@ TEST_F(CloudTilesTest, HaveEachPointOnceAndAllPointsAroundTheirOwn)
 
 TEST_F(CloudTilesTest, DoNotCutVoxels)
 {
-  PcdReader reader(path);
-  const CloudSurvey survey = surveyCloud(reader, nullptr, step);
   TileOptions options;
   options.voxel_size = 0.7;
   options.most = 3000;
-  const CloudTiles tiles(reader, survey, options, folder.path(""), step);
+  const auto divided = divide(options);
+  const CloudTiles& tiles = *divided;
   EXPECT_GT(tiles.size(), 5u);
   std::map<std::array<int, 3>, std::set<std::size_t>> tiles_of_voxels;
   for (std::size_t t = 0; t < tiles.size(); ++t)
