@@ -248,7 +248,7 @@ colourCliques(const std::vector<pcl::PointIndices>& cliques,
   }
 }
 
-// Measured with supervoxels.
+// An estimate: points, table and neighbours of supervoxels.
 constexpr CloudNeeds kNeeds{0.0, 600.0};
 
 // Names the file in errors.

@@ -297,7 +297,7 @@ private:
   bool has_told_ = false; // that there are no probabilities
 };
 
-// Measured with 11 classes and colour.
+// An estimate: points, table and probabilities of 11 classes.
 constexpr CloudNeeds kNeeds{0.0, 300.0};
 
 int
