@@ -274,14 +274,19 @@ poseOf(const py::object& pose, double voxel_size)
 
 namespace {
 
-pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
-cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
+void
+requireColours(const MaybeArray<std::uint8_t>& colours, Eigen::Index points)
 {
-  requireShape(points, "points", kAny, 3);
   if (colours)
-    requireShape(*colours, "colours", points.shape(0), 3);
-  const auto count = std::size_t(points.shape(0));
-  const float* const xyz = points.data();
+    requireShape(*colours, "colours", points, 3);
+}
+
+pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
+cloudOf(const Eigen::Ref<const Eigen::Matrix3Xf>& positions,
+        const MaybeArray<std::uint8_t>& colours)
+{
+  requireColours(colours, positions.cols());
+  const auto count = std::size_t(positions.cols());
   const std::uint8_t* const rgb = colours ? colours->data() : nullptr;
   const pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud(
       new pcl::PointCloud<pcl::PointXYZRGBL>);
@@ -289,7 +294,7 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
   cloud->is_dense = false;
   for (std::size_t i = 0; i < count; ++i) {
     pcl::PointXYZRGBL& point = (*cloud)[i];
-    point.getVector3fMap() << xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2];
+    point.getVector3fMap() = positions.col(Eigen::Index(i));
     point.label = 0;
     if (rgb) {
       point.r = rgb[3 * i];
@@ -300,16 +305,23 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
   return cloud;
 }
 
-// Checks half precision: calls doubtOfSteps() for the cloud at a distance where single
+using SinglePositions = Eigen::Map<const Eigen::Matrix3Xf>;
+
+SinglePositions
+positionsOf(const Array<float>& points)
+{
+  requireShape(points, "points", kAny, 3);
+  return {points.data(), 3, points.shape(0)};
+}
+
+// Checks half precision: calls doubtOfSteps() for the points at a distance where single
 // precision has the same steps.
 void
-warnOfHalfSteps(pcl::PointCloud<pcl::PointXYZRGBL> cloud, const FloatType& type)
+warnOfHalfSteps(const SinglePositions& positions, const FloatType& type)
 {
-  const double distance = middleDistance(cloud.getMatrixXfMap(3, 8, 0));
-  const auto shift = float(8191.0 * distance);
-  for (pcl::PointXYZRGBL& point : cloud)
-    point.getArray3fMap() += shift;
-  if (!doubtOfSteps(cloud, "points").empty())
+  const double distance = middleDistance(positions);
+  const Eigen::Matrix3Xf shifted = positions.array() + float(8191.0 * distance);
+  if (!doubtOfSteps(shifted, Eigen::Vector3d::Zero(), "points").empty())
     warnOfSteps("points", type, distance, "the points' distances");
 }
 
@@ -324,16 +336,55 @@ warnOfScanSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
          "sensor, and its pose");
 }
 
+// Positions relative to an origin, see localOrigin() [m].
+struct LocalPositions {
+  Eigen::Matrix3Xf positions;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+
+  void
+  warnOfSteps() const
+  {
+    const std::string doubt = doubtOfSteps(positions, origin, "points");
+    if (!doubt.empty())
+      warn(doubt);
+  }
+};
+
+LocalPositions
+localPositionsOf(const py::object& points)
+{
+  const py::array any = numbersOf(points);
+  LocalPositions local;
+  if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
+    const Array<float> single(any);
+    local.positions = positionsOf(single);
+    if (const FloatType type = floatTypeOf(any); type.digits < 23)
+      warnOfHalfSteps(positionsOf(single), type);
+    else
+      local.warnOfSteps();
+    return local;
+  }
+  const Array<double> wide(any);
+  requireShape(wide, "points", kAny, 3);
+  const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
+  local.origin = localOrigin(positions);
+  local.positions = relativeTo(local.origin, positions);
+  if (areSingle(positions))
+    local.warnOfSteps();
+  return local;
+}
+
 } // namespace
 
 pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
 scanOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
   const py::array any = numbersOf(points);
-  const auto cloud = cloudOf(Array<float>(any), colours);
+  const Array<float> single(any);
+  const auto cloud = cloudOf(positionsOf(single), colours);
   const FloatType type = floatTypeOf(any);
   if (type.digits < 23)
-    warnOfHalfSteps(*cloud, type);
+    warnOfHalfSteps(positionsOf(single), type);
   else
     warnOfScanSteps(*cloud);
   return cloud;
@@ -342,30 +393,27 @@ scanOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 LocalCloud
 localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
-  const py::array any = numbersOf(points);
-  LocalCloud local;
-  if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
-    local.cloud = cloudOf(Array<float>(any), colours);
-    if (const FloatType type = floatTypeOf(any); type.digits < 23)
-      warnOfHalfSteps(*local.cloud, type);
-    else if (const std::string doubt = doubtOfSteps(*local.cloud, "points");
-             !doubt.empty())
-      warn(doubt);
-    return local;
-  }
-  const Array<double> wide(any);
-  requireShape(wide, "points", kAny, 3);
-  const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
-  local.origin = localOrigin(positions);
-  const bool is_single = areSingle(positions);
-  Array<float> relative({wide.shape(0), py::ssize_t(3)});
-  Eigen::Map<Eigen::Matrix3Xf>(relative.mutable_data(), 3, wide.shape(0)) =
-      relativeTo(local.origin, positions);
-  local.cloud = cloudOf(relative, colours);
-  if (const std::string doubt = doubtOfSteps(*local.cloud, "points", local.origin);
-      is_single && !doubt.empty())
-    warn(doubt);
-  return local;
+  const LocalPositions local = localPositionsOf(points);
+  return {cloudOf(local.positions, colours), local.origin};
+}
+
+CloudFields
+cloudFieldsOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
+{
+  LocalPositions local = localPositionsOf(points);
+  const Eigen::Index count = local.positions.cols();
+  requireColours(colours, count);
+  CloudFields fields;
+  fields.positions = std::move(local.positions);
+  fields.origin = local.origin;
+  if (colours)
+    fields.colours = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic>>(
+                         colours->data(), 3, count)
+                         .cast<float>();
+  fields.labels.assign(std::size_t(count), kUnlabelled);
+  fields.width = std::uint32_t(count);
+  fields.height = 1;
+  return fields;
 }
 
 namespace {

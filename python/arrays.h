@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/config_parameter.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/filters/cloud_crf.h>
 
 #include <Eigen/Geometry>
 #include <pcl/PointIndices.h>
@@ -118,6 +119,8 @@ Array<T>
 integersOf(const py::object& values, const char* name)
 {
   const py::array array = numbersOf(values);
+  if (array.dtype().equal(py::dtype::of<T>()))
+    return Array<T>(array);
   requireIntegers(array, name);
   if (array.dtype().kind() == 'u')
     requireRange<T>(Array<std::uint64_t>(array), name);
@@ -184,6 +187,10 @@ struct LocalCloud {
  * colours. Warns of positions degraded by single precision. */
 LocalCloud localCloudOf(const py::object& points,
                         const MaybeArray<std::uint8_t>& colours);
+
+/** \brief Makes the fields of a cloud from the same, with labels 0. */
+CloudFields cloudFieldsOf(const py::object& points,
+                          const MaybeArray<std::uint8_t>& colours);
 
 /** \brief Makes a scan from N x 3 positions in the sensor's frame [m] and optional N x
  * 3 colours. Warns of positions degraded by single precision, which are probably in the

@@ -3,15 +3,17 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/filters/cloud_crf.h>
 #include <pcl_semantic/filters/crf_config.h>
-#include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/superpixels/clique_config.h>
 #include <pcl_semantic/things/object_extraction.h>
 #include <pcl_semantic/things/plane_summary.h>
 
 #include <pcl/common/io.h>
 
+#include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace pcl_semantic::python {
@@ -37,9 +39,8 @@ cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
 }
 
 void
-warnOfNoReturns(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+warnOfNoReturns(std::size_t count)
 {
-  const std::size_t count = countNoReturns(cloud);
   if (count > 0)
     warn(std::to_string(count) +
          " points at exactly 0 0 0 count as no return and are ignored");
@@ -54,20 +55,41 @@ generatorOf(const std::string& kind)
   return makeCliqueGenerator(kind);
 }
 
-// Writes labels to the cloud. \return the largest, at least 1
+// Calls write(i, label) for each point. \return the largest label, at least 1
+template <typename Write>
 int
-setLabels(const Array<std::int64_t>& labels, int classes,
-          pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+readLabels(const py::object& given, std::size_t points, int classes, Write&& write)
 {
-  requireShape(labels, "labels", py::ssize_t(cloud.size()));
+  const auto labels = integersOf<std::int64_t>(given, "labels");
+  requireShape(labels, "labels", py::ssize_t(points));
   int largest = 1;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud[i].label = labelOf(labels.data()[i], "labels", i);
-    largest = std::max(largest, int(cloud[i].label));
+  for (std::size_t i = 0; i < points; ++i) {
+    const Label label = labelOf(labels.data()[i], "labels", i);
+    write(i, label);
+    largest = std::max(largest, int(label));
   }
   if (largest == 255 && classes == 0)
     warn("labels hold 255, which counts as a class; if it means none, give 0");
   return largest;
+}
+
+void
+setLabels(const py::object& given, pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  readLabels(given, cloud.size(), 0,
+             [&](std::size_t i, Label label) { cloud[i].label = label; });
+}
+
+// Without points: the CRF of fields that were filled here.
+class FieldsCRF : public CloudCRF {};
+
+// KeyboardInterrupt and other signals of Python.
+void
+checkSignals()
+{
+  const py::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() != 0)
+    throw py::error_already_set();
 }
 
 std::vector<Label>
@@ -121,42 +143,56 @@ refine(const py::object& points, const py::object& probabilities,
     badParameter("classes is ", classes,
                  ", expected 1 to 255, or 0 = the largest label");
   const std::vector<Label> thin = thinLabelsOf(given_thin);
-  const auto labels = maybeIntegersOf<std::int64_t>(given_labels, "labels");
-  const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
-  if (has_probabilities == labels.has_value())
+  const bool has_colours = !given_colours.is_none();
+  if (has_probabilities != given_labels.is_none())
     badParameter("expected probabilities or labels, one of them");
-  const auto [cloud, origin] = localCloudOf(points, colours);
-  const auto count = py::ssize_t(cloud->size());
+  CloudFields fields =
+      cloudFieldsOf(points, maybeIntegersOf<std::uint8_t>(given_colours, "colours"));
+  const std::size_t count = fields.labels.size();
+  checkSignals();
   CRFConfig config;
   setParameters(parametersOf(config), parameters);
   config.validate();
   requireFitting(config, parameters, has_probabilities, !cliques.is_none(),
                  !thin.empty());
-  SemanticCRF<pcl::PointXYZRGBL> crf;
+  FieldsCRF crf;
   crf.setModel(config.model);
   crf.setParameters(config.parameters);
   crf.setThinLabels(thin);
-  crf.setUseColour(colours.has_value());
+  crf.setUseColour(has_colours);
   crf.setNumberOfThreads(config.threads);
+  crf.setInterruptionCheck(&checkSignals);
   if (has_probabilities) {
-    LabelDistributions distributions = distributionsOf(probabilities, count);
+    LabelDistributions distributions =
+        distributionsOf(probabilities, py::ssize_t(count));
     if (distributions.classes() == 0) // without points
-      return py::make_tuple(labelsOf(*cloud), arrayOf(std::move(distributions)));
+      return py::make_tuple(py::array_t<std::uint8_t>(0),
+                            arrayOf(std::move(distributions)));
     crf.giveLabelDistributions(std::move(distributions));
   }
   else {
-    const int largest = setLabels(*labels, classes, *cloud);
+    const int largest =
+        readLabels(given_labels, count, classes,
+                   [&](std::size_t i, Label label) { fields.labels[i] = label; });
     crf.setLabelConfidence(config.label_confidence, classes > 0 ? classes : largest);
   }
   if (py::isinstance<py::str>(cliques))
     crf.setCliqueGenerator(generatorOf(cliques.cast<std::string>()));
   else if (!cliques.is_none())
-    crf.setCliques(cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), count));
-  warnOfNoReturns(*cloud);
-  crf.setOrigin(origin);
-  crf.setInputCloud(cloud);
-  released([&, &output = *cloud] { crf.filter(output); });
-  return py::make_tuple(labelsOf(*cloud), arrayOf(crf.takeLabelDistributions()));
+    crf.setCliques(
+        cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), py::ssize_t(count)));
+  warnOfNoReturns(countNoReturns(count, [&](std::size_t i) {
+    return fields.positions.col(Eigen::Index(i)).isZero(0.0f);
+  }));
+  crf.setOrigin(fields.origin);
+  checkSignals();
+  pcl::Indices all(count);
+  std::iota(all.begin(), all.end(), 0);
+  released([&] { crf.run(fields, all); });
+  py::array_t<std::uint8_t> refined((py::ssize_t(count)));
+  std::transform(fields.labels.begin(), fields.labels.end(), refined.mutable_data(),
+                 [](std::uint32_t label) { return std::uint8_t(label); });
+  return py::make_tuple(refined, arrayOf(crf.takeLabelDistributions()));
 }
 
 // Numbers the groups from 1; 0 = in none.
@@ -182,7 +218,7 @@ cliques(const py::object& points, const std::string& kind,
   const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
     badParameter("'", kind, "' needs colours");
-  warnOfNoReturns(*labelled);
+  warnOfNoReturns(countNoReturns(*labelled));
   generator->setOrigin(origin);
   const auto found = released([&] { return generator->generate(cloud); });
   return numbersOf(found, cloud.size());
@@ -192,15 +228,14 @@ py::array_t<std::int32_t>
 objects(const py::object& points, const py::object& given_labels, double gap,
         int min_points)
 {
-  const auto labels = integersOf<std::int64_t>(given_labels, "labels");
   if (min_points < 1)
     badParameter("min_points is ", min_points, ", expected 1 or more");
   ObjectExtraction<pcl::PointXYZRGBL> extraction;
   extraction.setGap(gap);
   extraction.setMinClusterSize(std::size_t(min_points));
   const auto [cloud, origin] = localCloudOf(points, std::nullopt);
-  setLabels(labels, 0, *cloud);
-  warnOfNoReturns(*cloud);
+  setLabels(given_labels, *cloud);
+  warnOfNoReturns(countNoReturns(*cloud));
   std::vector<pcl::PointIndices> found;
   if (!cloud->empty()) {
     extraction.setInputCloud(cloud);
@@ -255,8 +290,8 @@ planes(const py::object& points, const py::object& given_labels, double radius,
   for (pcl::PointXYZRGBL& point : *cloud)
     point.label = 0;
   if (!given_labels.is_none())
-    setLabels(integersOf<std::int64_t>(given_labels, "labels"), 0, *cloud);
-  warnOfNoReturns(*cloud);
+    setLabels(given_labels, *cloud);
+  warnOfNoReturns(countNoReturns(*cloud));
   const CloudPlanes found = released([&, &given = cloud, &from = origin] {
     return findPlanes(given, 0.0, from, parameters);
   });

@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,17 @@ def two_walls(seed=1, wrong=0.2):
 
 
 class Refine(unittest.TestCase):
+    def test_a_survey_20_km_wide_has_the_labels_of_its_parts(self):
+        parts = [two_walls(seed, wrong=0.35) for seed in range(4)]
+        corners = np.array([[x, y, 300.0] for x in (500e3, 520e3) for y in (5.4e6, 5.42e6)])
+        whole, _ = pcl_semantic.refine(
+            np.concatenate([part[0] + corner for part, corner in zip(parts, corners)]),
+            labels=np.concatenate([noisy for _, _, noisy in parts]))
+        for i, (points, _, noisy) in enumerate(parts):
+            alone, _ = pcl_semantic.refine(points, labels=noisy)
+            equal = np.mean(whole[4000 * i:4000 * (i + 1)] == alone)
+            self.assertGreaterEqual(equal, 0.999)
+
     def test_labels_become_consistent(self):
         points, labels, noisy = two_walls()
         refined, probabilities = pcl_semantic.refine(points, labels=noisy)
@@ -777,6 +789,16 @@ class ComplexNumbers(unittest.TestCase):
                      lambda: mapper.labels(points + 0j)):
             with self.assertRaises(ValueError):
                 call()
+
+
+class Interrupted(unittest.TestCase):
+    def test_ctrl_c_ends_a_long_run(self):
+        points, _, noisy = two_walls()
+        press = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+        press.start()
+        with self.assertRaises(KeyboardInterrupt):
+            pcl_semantic.refine(points, labels=noisy, crf="dense", crf_iterations=10**7)
+        press.join()
 
 
 class Forked(unittest.TestCase):

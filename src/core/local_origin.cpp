@@ -16,7 +16,7 @@ constexpr double kBesideGrids = 0.28125;
 } // namespace
 
 Eigen::Vector3d
-localOrigin(const Eigen::Matrix3Xd& positions)
+localOrigin(const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
 {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   bool is_far = false;
@@ -39,7 +39,8 @@ localOrigin(const Eigen::Matrix3Xd& positions)
 }
 
 Eigen::Matrix3Xf
-relativeTo(const Eigen::Vector3d& origin, const Eigen::Matrix3Xd& positions)
+relativeTo(const Eigen::Vector3d& origin,
+           const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
 {
   Eigen::Matrix3Xf relative = (positions.colwise() - origin).cast<float>();
   const auto is_at_zero = (positions.array() == 0.0).colwise().all();
@@ -51,7 +52,7 @@ relativeTo(const Eigen::Vector3d& origin, const Eigen::Matrix3Xd& positions)
 }
 
 bool
-areSingle(const Eigen::Matrix3Xd& positions)
+areSingle(const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
 {
   return std::all_of(positions.data(), positions.data() + positions.size(),
                      [](double value) {

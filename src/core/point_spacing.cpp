@@ -42,16 +42,23 @@ std::vector<Eigen::Index>
 sampleByPosition(const Eigen::Matrix3Xf& positions, std::size_t count,
                  const PositionHash& hash)
 {
-  std::vector<std::pair<std::uint64_t, Eigen::Index>> hashes;
-  hashes.reserve(std::size_t(positions.cols()));
-  for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    hashes.emplace_back(hash(positions.col(i)), i);
-  count = std::min(count, hashes.size());
-  std::partial_sort(hashes.begin(), hashes.begin() + std::ptrdiff_t(count),
-                    hashes.end());
+  using Hash = std::pair<std::uint64_t, Eigen::Index>;
+  std::vector<Hash> least; // a heap
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
+    const Hash each(hash(positions.col(i)), i);
+    if (least.size() == count && !(count > 0 && each < least.front()))
+      continue;
+    if (least.size() == count) {
+      std::pop_heap(least.begin(), least.end());
+      least.pop_back();
+    }
+    least.push_back(each);
+    std::push_heap(least.begin(), least.end());
+  }
+  std::sort_heap(least.begin(), least.end());
   std::vector<Eigen::Index> sample;
-  for (std::size_t k = 0; k < count; ++k)
-    sample.push_back(hashes[k].second);
+  for (const Hash& each : least)
+    sample.push_back(each.second);
   return sample;
 }
 

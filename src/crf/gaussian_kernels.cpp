@@ -152,7 +152,8 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
 
 GaussianKernels::List
 GaussianKernels::make(const Eigen::MatrixXf& positions,
-                      const std::vector<GaussianTerm>& terms) const
+                      const std::vector<GaussianTerm>& terms,
+                      const std::function<void()>& before) const
 {
   if (terms.size() != choice_.methods.size())
     badParameter(terms.size(), " terms, expected ", choice_.methods.size());
@@ -167,6 +168,8 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
       truncated[term.position_deviation].push_back(term);
       continue;
     }
+    if (before)
+      before();
     Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
     features.topRows(positions.rows()) = positions / term.position_deviation;
     if (term.features.size() > 0)
@@ -175,9 +178,12 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
         features, term.weight, options_.normalization, simdTier(),
         choice_.lows.empty() ? Eigen::VectorXf() : choice_.lows[m]));
   }
-  for (const auto& [deviation, group] : truncated)
+  for (const auto& [deviation, group] : truncated) {
+    if (before)
+      before();
     kernels.push_back(std::make_shared<TruncatedKernel>(
         inSpace(positions), group, options_.radius, options_.normalization));
+  }
   return kernels;
 }
 

@@ -239,10 +239,13 @@ CloudCRF::elementsOf(const CloudFields& fields, const pcl::Indices& indices) con
   // point or the mean, it depends neither on the order nor on outliers.
   const Eigen::Vector3f middle = medianOf(fields.positions, indices);
   CRFElements elements = pointElements(fields, indices, middle);
+  terms_.checkInterruption();
   if (!whole_) {
     const auto sample = sampleByPosition(gather(fields.positions, indices),
                                          GaussianKernels::max_sample);
+    terms_.checkInterruption();
     elements.spacing = double(pointSpacing(elements.positions, sample));
+    terms_.checkInterruption();
     elements.extent = extentOf(elements.positions);
     elements.tile_size = tile_size_;
     setMethods(sample, indices.size(), elements);
@@ -375,6 +378,7 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
       validPoints(fields.positions, zero_is_none, indices, skipped_points_);
   refined_ = LabelDistributions(); // before new memory is needed
   refined_ = measurements(fields, indices, measured);
+  terms_.checkInterruption();
   for (const pcl::index_t index : indices)
     if (!hasPosition(fields.positions.col(index))) {
       fields.labels[std::size_t(index)] = kUnlabelled;

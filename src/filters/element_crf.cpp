@@ -159,12 +159,21 @@ writeResult(const MeanField::Marginals& marginals, const ResultElements& element
 }
 
 void
+runUpdates(const CRFTerms& terms, int updates, MeanField& inference)
+{
+  for (int i = 0; i < updates; ++i) {
+    terms.checkInterruption();
+    inference.update();
+  }
+}
+
+void
 refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
             const ResultOptions& options, CRFReport& report,
             LabelDistributions& distributions)
 {
   MeanField inference(buildModel(terms, cliques, elements, distributions, report));
-  inference.run(report.updates);
+  runUpdates(terms, report.updates, inference);
   writeResult(inference.marginals(), {elements.indices, elements.total, nullptr},
               options, distributions, distributions);
 }
@@ -189,7 +198,9 @@ public:
     const TileBoxes boxes(elements_.positions, limits_);
     if (boxes.size() == 1)
       return refineWhole(terms_, nullptr, elements_, options_, report_, distributions_);
+    terms_.checkInterruption();
     saveMeasurements(boxes);
+    terms_.checkInterruption();
     forEachTile(elements_.positions, limits_,
                 [&](const ElementTile& tile) { refine(tile); });
   }
@@ -226,7 +237,7 @@ private:
     const LabelDistributions measured(measurementsOf(columns));
     CRFElements part = partOf(columns);
     MeanField inference(buildModel(terms_, nullptr, part, measured, report_));
-    inference.run(report_.updates);
+    runUpdates(terms_, report_.updates, inference);
     pcl::Indices refined;
     for (const pcl::index_t k : tile.own)
       refined.push_back(elements_.indices[std::size_t(k)]);
@@ -321,6 +332,7 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
                LabelDistributions& distributions)
 {
   const ThreadScope threads(terms.threads);
+  terms.checkInterruption();
   CRFReport report;
   report.spacing = elements.spacing;
   report.extent = elements.extent;

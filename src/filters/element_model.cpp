@@ -159,7 +159,8 @@ private:
   kernels() const
   {
     GaussianKernels::List kernels = gaussian_kernels_.make(
-        elements_.positions, gaussianTerms(parameters_, elements_.colours));
+        elements_.positions, gaussianTerms(parameters_, elements_.colours),
+        terms_.check_interruption);
     for (const GaussianTerm& kernel : terms_.kernels) {
       if (std::size_t(kernel.features.cols()) != elements_.total)
         badParameter("a kernel has features of ", kernel.features.cols(),

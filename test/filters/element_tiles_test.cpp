@@ -180,6 +180,38 @@ INSTANTIATE_TEST_SUITE_P(Kernels, TiledKernels,
                                          TiledCase{"once", KernelMethod::truncated, 1}),
                          [](const auto& each) { return each.param.name; });
 
+TEST(TiledCRF, EndsAtAnInterruption)
+{
+  struct Stop {};
+  const CrfCloud input = makeCrfCloud(2000, 3);
+  for (std::size_t i = 0; i < 2000; ++i) // apart, so that tiles are worthwhile
+    (*input.cloud)[i].x += 10.0f * float(i % 10);
+  std::size_t steps_of_one_piece = 0;
+  for (const std::size_t tile : {2000u, 200u}) {
+    CrfFilter crf = filterWith({});
+    crf.setTileSize(tile);
+    const Eigen::MatrixXf expected = refine(crf, input);
+    std::size_t calls = 0;
+    crf.setInterruptionCheck([&] { ++calls; });
+    EXPECT_TRUE(refine(crf, input) == expected);
+    const std::size_t steps = calls;
+    EXPECT_GT(steps, std::size_t(crf.getReport().updates));
+    EXPECT_GT(steps, steps_of_one_piece);
+    steps_of_one_piece = steps;
+    for (const std::size_t last : {std::size_t(1), steps / 2, steps}) {
+      calls = 0;
+      crf.setInterruptionCheck([&] {
+        if (++calls == last)
+          throw Stop();
+      });
+      EXPECT_THROW(refine(crf, input), Stop);
+      EXPECT_EQ(calls, last);
+    }
+    crf.setInterruptionCheck(nullptr);
+    EXPECT_TRUE(refine(crf, input) == expected);
+  }
+}
+
 TEST(TiledCRF, OwnKernelsAreOfTheWholeCloud)
 {
   const CrfCloud input = makeCrfCloud(500, 3);

@@ -16,16 +16,16 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * measured.
  * \param[in] positions 3 x N [m]; non-finite ones are ignored
  * \return in the frame of the positions [m] */
-Eigen::Vector3d localOrigin(const Eigen::Matrix3Xd& positions);
+Eigen::Vector3d localOrigin(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
 /** \brief Positions relative to an origin, in single precision [m]. Two or more
  * positions at exactly 0 0 0 stay there, because nothing was measured at them; see
  * countNoReturns(). */
 Eigen::Matrix3Xf relativeTo(const Eigen::Vector3d& origin,
-                            const Eigen::Matrix3Xd& positions);
+                            const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
 /** \brief Whether single precision holds the positions exactly: they were probably
  * single precision before. */
-bool areSingle(const Eigen::Matrix3Xd& positions);
+bool areSingle(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
 } // namespace pcl_semantic

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -105,9 +106,10 @@ public:
    * \param[in] positions those of the constructor, or the same in fastestOrder()
    * \param[in] terms with the deviations of the constructor; their features belong to
    * \a positions. Terms of weight 0 are left out.
+   * \param[in] before is called before each kernel, and may throw; null = none
    * \throws InvalidParameterException as TruncatedKernel and LatticeKernel */
-  List make(const Eigen::MatrixXf& positions,
-            const std::vector<GaussianTerm>& terms) const;
+  List make(const Eigen::MatrixXf& positions, const std::vector<GaussianTerm>& terms,
+            const std::function<void()>& before = nullptr) const;
 
   /** \brief Points that meanNeighbours() looks at. */
   static constexpr std::size_t max_sample = 8192;

@@ -8,7 +8,9 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -22,11 +24,19 @@ struct CRFTerms {
   std::vector<Label> thin_labels;
   Eigen::VectorXd class_frequencies; ///< L, sum 1; empty = of the measurements
   std::optional<int> threads;        ///< none: OpenMP's number for the calling thread
+  std::function<void()> check_interruption; ///< may throw; null = none
 
   bool
   usesCliques() const
   {
     return model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
+  }
+
+  void
+  checkInterruption() const
+  {
+    if (check_interruption)
+      check_interruption();
   }
 };
 
@@ -80,6 +90,15 @@ public:
   setNumberOfThreads(int threads)
   {
     terms_.threads = threads;
+  }
+
+  /** \brief Sets a function that the calling thread calls between the steps of a run:
+   * before each kernel and each update, among others. If it throws, the run ends with
+   * that exception. Use it to answer Ctrl-C. None by default. */
+  void
+  setInterruptionCheck(std::function<void()> check)
+  {
+    terms_.check_interruption = std::move(check);
   }
 
   /** \brief Report of the last run. */
