@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "core/split.h"
 #include "core/text_stream.h"
+#include "fitted_window.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_archive.h>
@@ -92,6 +93,7 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
   requireLabels();
   setExtras();
   inputs_.poses->requirePoses(inputs_.source->frames());
+  fitWindow();
   for (const std::string& text : doubtsOf(run_.config.map))
     doubt(text);
   for (const std::string& text : inputs_.doubts)
@@ -99,6 +101,42 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
 }
 
 MapRun::~MapRun() = default;
+
+// Sizes the window by the depths of a recording.
+void
+MapRun::fitWindow()
+{
+  MapParameters& map = run_.config.map;
+  if (isLive() || !inputs_.source->sensor().has_depth || !map.window.isZero(0.0))
+    return;
+  if (const std::optional<double> reach = reachOfDepths(*inputs_.source)) {
+    map.window = windowOfReach(*reach, map.max_range);
+    fitted_reach_ = std::min(*reach, map.max_range) + 2.0;
+  }
+}
+
+// Warns of a frame with many points outside a window that was fitted to others.
+void
+MapRun::doubtWindow(const MappedFrame& mapped)
+{
+  if (!fitted_reach_)
+    return;
+  std::size_t measured = 0, outside = 0;
+  for (const pcl::PointXYZRGB& point : *mapped.cloud) {
+    const bool is_mapped = double(point.z) <= run_.config.map.max_range; // false: NaN
+    measured += is_mapped;
+    outside += is_mapped && double(point.getVector3fMap().norm()) > *fitted_reach_;
+  }
+  if (20 * outside <= measured)
+    return;
+  TextStream text;
+  text << "frame " << mapped.frame.number << ": "
+       << std::round(100.0 * double(outside) / double(measured))
+       << " % of its depths lie outside the window, which fits other frames; give "
+          "--window or --max-depth";
+  doubt(text.str());
+  fitted_reach_.reset(); // once
+}
 
 bool
 MapRun::isLive() const
@@ -301,6 +339,7 @@ MapRun::mapFrames(MappingArchive& archive, MappingOutput* output)
     ++frames_mapped_;
     is_empty_ = is_empty_ && mapped.voxels.size() == 0;
     doubtDistance(mapped);
+    doubtWindow(mapped);
     observer_.onMapped(*frame, mapped);
   }
   if (late_labels_)

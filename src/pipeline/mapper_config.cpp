@@ -77,7 +77,8 @@ parametersOf(MapperConfig& config)
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window",
        "extent X,Y,Z of the window around the sensor, along the world axes [m]; 0,0,0 "
-       "= max_depth + 2 m in each direction, at most 24 m high",
+       "= max_depth + 2 m in each direction, at most 24 m high; for recorded RGB-D as "
+       "far as its depths need",
        &config.map.window},
       {"max_depth", "maximum depth of a hit [m]; pixels beyond it only clear space",
        &config.map.max_range},

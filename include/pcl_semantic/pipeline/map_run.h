@@ -166,6 +166,10 @@ private:
 
   void doubt(const std::string& text);
 
+  void fitWindow();
+
+  void doubtWindow(const MappedFrame& mapped);
+
   void doubtMapping();
 
   void doubtDistance(const MappedFrame& mapped);
@@ -200,6 +204,7 @@ private:
   bool is_empty_ = true; // the map
   std::optional<Eigen::Vector3d> last_position_;
   bool has_doubted_distance_ = false;
+  std::optional<double> fitted_reach_; // of the window around the sensor [m]
 };
 
 /** \brief Removes an archive and the log files that SQLite keeps beside it, if they
