@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "feature_tracker.h"
+#include "image_flow.h"
+
 #include <opencv2/core.hpp>
 
 #include <vector>
 
 namespace pcl_semantic::odometry {
-
-/** \brief Detects new corners, at most one in each grid cell without an old one.
- *
- * Candidates come from FAST. In each cell, the candidate that localises best wins
- * (largest smaller eigenvalue of the gradients, Shi and Tomasi 1994).
- * \param[in] image CV_8UC1
- * \param[in] old points that are already tracked
- * \param[in] wanted approximate number of grid cells */
-std::vector<cv::Point2f> detectCorners(const cv::Mat& image,
-                                       const std::vector<cv::Point2f>& old, int wanted);
 
 /** \brief Integer disparity of a corner of the left image: the smallest sum of absolute
  * differences of 11 x 11 pixels along the row of the right image.
@@ -23,32 +16,26 @@ std::vector<cv::Point2f> detectCorners(const cv::Mat& image,
 int searchDisparity(const cv::Mat& left, const cv::Mat& right,
                     const cv::Point2f& corner, int max_disparity);
 
-/** \brief A feature in both images of a pair [px]. */
-struct StereoFeature {
-  cv::Point2f left, right;
-  bool is_found = false;
-};
-
 /** \brief Tracks features around the circle left before, left now, right now, right
  * before by pyramidal Lucas-Kanade. A feature that does not return to its start is
  * rejected (Geiger et al., StereoScan, 2011). */
-class CircleTracker {
+class CircleTracker : public FeatureTracker {
 public:
   /** \brief Adds the next pair, CV_8UC1; the current pair becomes "before". */
   void push(const cv::Mat& left, const cv::Mat& right);
 
-  /** \brief Tracks features into the current pair.
-   * \param[in] before positions in the previous pair
-   * \param[in,out] now predicted, then tracked positions */
   void track(const std::vector<StereoFeature>& before,
-             std::vector<StereoFeature>& now) const;
+             std::vector<StereoFeature>& now) const override;
+
+  std::vector<StereoFeature> featuresAt(const std::vector<cv::Point2f>& corners,
+                                        int max_disparity) const override;
 
   /** \brief Matches features of the current left image in the right one.
    * \param[in,out] features left, and predicted right position; sets is_found */
   void matchStereo(std::vector<StereoFeature>& features) const;
 
   const cv::Mat&
-  left() const
+  image() const override
   {
     return now_.left[0];
   }
@@ -60,10 +47,8 @@ public:
   }
 
 private:
-  using Pyramid = std::vector<cv::Mat>;
-
   struct Pair {
-    Pyramid left, right;
+    ImagePyramid left, right;
   };
 
   Pair before_, now_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "circle_tracker.h"
+#include "feature_tracker.h"
 #include "window_adjustment.h"
 
 #include <vector>

@@ -3,6 +3,8 @@
 
 #include "circle_tracker.h"
 #include "core/fail.h"
+#include "corners.h"
+#include "depth_tracker.h"
 #include "images/grey_image.h"
 #include "keyframe_window.h"
 #include "pose_ransac.h"
@@ -60,8 +62,9 @@ public:
     window_.offset_deviation = std::max(parameters.offset_drift, 1e-9);
   }
 
+  template <typename Frame>
   const OdometryResult&
-  process(const StereoFrame& frame)
+  process(const Frame& frame)
   {
     if (count_ > 0 && frame.number == result.frame)
       return result;
@@ -98,20 +101,55 @@ private:
       badInput("frame ", frame.number, ": the left image has ", left.cols, " x ",
                left.rows, " pixels, the right one ", right.cols, " x ", right.rows,
                ", expected two of one size and type");
-    if (left.type() != CV_8UC1 && left.type() != CV_8UC3)
-      badInput("frame ", frame.number,
-               ": the images are neither grey nor BGR of 8 bits");
-    if ((camera_.width > 0 && left.cols != camera_.width) ||
-        (camera_.height > 0 && left.rows != camera_.height))
-      badInput("frame ", frame.number, ": the images have ", left.cols, " x ",
-               left.rows, " pixels, expected ", camera_.width, " x ", camera_.height);
-    camera_.width = left.cols; // size of the next frames, if it was unknown
-    camera_.height = left.rows;
-    tracker_.push(greyImage(left), greyImage(right));
+    takeSize(left, frame.number);
+    takeTracker(pairs_, frame.number);
+    pairs_.push(greyImage(left), greyImage(right));
   }
 
   void
-  measureStep(const StereoFrame& frame)
+  takeImages(const RgbdFrame& frame)
+  {
+    const cv::Mat& image = frame.image;
+    if (image.empty() || !frame.cloud || int(frame.cloud->width) != image.cols ||
+        int(frame.cloud->height) != image.rows)
+      badInput("frame ", frame.number, ": the image has ", image.cols, " x ",
+               image.rows, " pixels, expected those of its depths");
+    takeSize(image, frame.number);
+    takeTracker(depths_, frame.number);
+    cv::Mat1f disparities(image.rows, image.cols);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        const float depth = (*frame.cloud)(u, v).z;
+        disparities(v, u) = // 0 for NaN
+            depth > 0.0f ? float(camera_.fx * camera_.baseline / double(depth)) : 0.0f;
+      }
+    depths_.push(greyImage(image), disparities);
+  }
+
+  void
+  takeSize(const cv::Mat& image, int frame)
+  {
+    if (image.type() != CV_8UC1 && image.type() != CV_8UC3)
+      badInput("frame ", frame, ": the images are neither grey nor BGR of 8 bits");
+    if ((camera_.width > 0 && image.cols != camera_.width) ||
+        (camera_.height > 0 && image.rows != camera_.height))
+      badInput("frame ", frame, ": the images have ", image.cols, " x ", image.rows,
+               " pixels, expected ", camera_.width, " x ", camera_.height);
+    camera_.width = image.cols; // size of the next frames, if it was unknown
+    camera_.height = image.rows;
+  }
+
+  void
+  takeTracker(FeatureTracker& tracker, int frame)
+  {
+    if (tracker_ && tracker_ != &tracker)
+      badInput("frame ", frame,
+               ": expected the kind of the frames before it, stereo or RGB-D");
+    tracker_ = &tracker;
+  }
+
+  void
+  measureStep(const FrameTime& frame)
   {
     const double passed = frame.timestamp - timestamp_;
     step_ = passed > 0.0 && std::isfinite(passed) ? passed : kUsualStep;
@@ -158,7 +196,7 @@ private:
       now[i].left = {float(uvd.x()), float(uvd.y())};
       now[i].right = {float(uvd.x() - uvd.z() - window_.offset), float(uvd.y())};
     }
-    tracker_.track(before, now);
+    tracker_->track(before, now);
     return now;
   }
 
@@ -248,19 +286,10 @@ private:
     for (const FeatureTrack* const track : aliveTracks())
       old.push_back(track->now.left);
     const int max_disparity = parameters_.max_disparity ? parameters_.max_disparity
-                                                        : tracker_.left().cols / 8;
-    std::vector<StereoFeature> features;
-    for (const cv::Point2f& corner :
-         detectCorners(tracker_.left(), old, parameters_.features)) {
-      const int disparity =
-          searchDisparity(tracker_.left(), tracker_.right(), corner, max_disparity);
-      if (disparity >= 0)
-        features.push_back({corner, {corner.x - float(disparity), corner.y}, false});
-    }
-    tracker_.matchStereo(features);
-    for (const StereoFeature& feature : features) {
-      if (!feature.is_found)
-        continue;
+                                                        : tracker_->image().cols / 8;
+    for (const StereoFeature& feature : tracker_->featuresAt(
+             detectCorners(tracker_->image(), old, parameters_.features),
+             max_disparity)) {
       FeatureTrack track;
       const Eigen::Vector3d uvd = measurementOf(feature);
       track.position.ray = camera_.unproject(uvd.x(), uvd.y(), 1.0);
@@ -278,7 +307,9 @@ private:
   StereoCamera camera_;
   Eigen::Isometry3d T_world_first_;
   MeasurementNoise noise_;
-  CircleTracker tracker_;
+  CircleTracker pairs_;
+  DepthTracker depths_;
+  FeatureTracker* tracker_ = nullptr; // one of them, after the first frame
   KeyframeWindow window_;
   Eigen::Isometry3d T_camera_first_ = Eigen::Isometry3d::Identity(); ///< newest frame
   Vector6d velocity_ = Vector6d::Zero(); ///< per second, see logMotion()
@@ -327,11 +358,35 @@ StereoOdometry::~StereoOdometry() = default;
 Eigen::Isometry3d
 StereoOdometry::pose(const SensorFrame& frame)
 {
+  if (const auto* const rgbd = std::get_if<RgbdFrame>(&frame))
+    return process(*rgbd).T_world_camera;
   const auto* const pair = std::get_if<StereoFrame>(&frame);
   if (!pair)
     badInput("frame ", timeOf(frame).number,
-             " is a cloud; odometry needs a stereo pair");
+             " is a cloud; odometry needs a stereo pair or an RGB-D frame");
   return process(*pair).T_world_camera;
+}
+
+StereoOdometry::Parameters
+StereoOdometry::parametersOfDepths()
+{
+  Parameters parameters;
+  parameters.disparity_noise = 0.1;
+  parameters.offset_drift = 0.0;
+  return parameters;
+}
+
+StereoCamera
+StereoOdometry::cameraOfDepths(StereoCamera camera)
+{
+  camera.baseline = 0.075;
+  return camera;
+}
+
+const OdometryResult&
+StereoOdometry::process(const RgbdFrame& frame)
+{
+  return engine_->process(frame);
 }
 
 const OdometryResult&

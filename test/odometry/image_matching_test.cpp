@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <odometry/circle_tracker.h>
+#include <odometry/corners.h>
 
 #include <opencv2/imgproc.hpp>
 
