@@ -22,7 +22,7 @@ const Usage map_usage{
     R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
   --output DIR (--labels DIR | --network FILE.yaml) [options]
 or --clouds DIR --poses FILE --output DIR [options]
-or --rgbd DIR --calibration FILE --poses FILE --output DIR
+or --rgbd DIR (--calibration FILE | --intrinsics FX,FY,CX,CY) --output DIR
   (--labels DIR | --network FILE.yaml) [options])",
     R"(Maps a stereo or RGB-D sequence, or labelled clouds of any sensor. Writes a labelled
 voxel map, its classes rendered into the camera's images, pictures and a summary.)",
@@ -32,10 +32,10 @@ voxel map, its classes rendered into the camera's images, pictures and a summary
      {"calibration FILE",
       "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
      {"clouds GLOB", "clouds of any sensor, labelled or not, with --poses"},
-     {"rgbd DIR", "RGB-D sequence, with --calibration and --poses"},
+     {"rgbd DIR", "RGB-D sequence, with --calibration or --intrinsics"},
      {"labels DIR", "stored label distributions, one .bin, .npy or .png per frame"},
      {"network FILE", "network description (.yaml) instead of --labels"},
-     {"poses FILE", "KITTI or TUM trajectory (default: poses.txt, else odometry)"},
+     {"poses FILE", "KITTI or TUM trajectory (default: the sequence's, else odometry)"},
      {"output DIR", "folder of the map, its pictures and its summary"},
      {"frames A:B", "frames with numbers A <= n < B"},
      {"voxel-size 0.1", "edge of a voxel [m]"},
@@ -93,7 +93,8 @@ ConfigParameters
 inputsOf(MapInputs& inputs, MapProgram program)
 {
   static const std::set<std::string> of_recordings = {
-      "clouds", "rgbd", "depth_scale", "scan_columns", "sensor", "frames"};
+      "clouds",       "rgbd",         "intrinsics", "depth_scale",
+      "depth_within", "scan_columns", "sensor",     "frames"};
   static const std::map<std::string, std::string> live_help = {
       {"sequence", "folder in KITTI's odometry layout that another program fills"},
       {"left", "left camera (0, /dev/video0), stream (rtsp://...) or video, instead of "

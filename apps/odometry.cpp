@@ -4,9 +4,11 @@
 #include "messages.h"
 #include "sequence_options.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/dataset/frame_source.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
@@ -21,14 +23,17 @@ namespace {
 const Usage usage{
     "pcl_semantic_odometry",
     R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
-  OUT.txt [options])",
-    R"(Estimates the poses of a stereo sequence from its images and writes them as a KITTI or
-TUM trajectory: poses of camera 0 in the frame of the first one.)",
+  OUT.txt [options]
+or --rgbd DIR (--calibration FILE | --intrinsics FX,FY,CX,CY) OUT.txt [options])",
+    R"(Estimates the poses of a stereo or RGB-D sequence from its images and writes them as a
+KITTI or TUM trajectory: poses of camera 0 in the frame of the first one. For an RGB-D
+sequence, poses of its camera in a world with z up, as pcl_semantic_map reads them.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_odometry /tmp/street /tmp/poses.txt)",
     {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
      {"calibration FILE",
       "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"rgbd DIR", "RGB-D sequence, with --calibration or --intrinsics"},
      {"format kitti", "format of OUT.txt: kitti or tum"},
      {"frames A:B", "frames with numbers A <= n < B"},
      {"report FILE", "table (.csv) of tracked features and their errors"},
@@ -36,42 +41,66 @@ TUM trajectory: poses of camera 0 in the frame of the first one.)",
 
 struct Options {
   SequenceFiles sequence;
+  RgbdFiles rgbd; // instead of the sequence
   std::string output, report;
   std::string format = "kitti", frames = ":";
   int threads = 0;
   StereoOdometry::Parameters parameters;
 };
 
+void
+requireRgbd(const Options& options)
+{
+  refuseIf(!options.sequence.folder.empty(),
+           "--rgbd and a SEQUENCE exclude each other");
+  const std::string& calibration = options.sequence.files.calibration;
+  refuseIf(calibration.empty() == options.rgbd.intrinsics.empty(),
+           "--rgbd needs --calibration or --intrinsics, the camera");
+  if (calibration.empty())
+    asUsage([&] { pinholeCameraOf("", options.rgbd.intrinsics); });
+}
+
 Options
 parse(int argc, char** argv)
 {
   Options options;
   StereoOdometry::Parameters& parameters = options.parameters;
-  parseCommandLine(
-      argc, argv, usage,
-      withSequence(
-          options.sequence,
-          {{"output", options.output, "output trajectory (.txt)"},
-           {"report", options.report,
-            "output table (.csv): tracked features and covariance of each pose"},
-           {"format", withDefault(options.format),
-            "format of the output: kitti (12 numbers per row) or tum (time, "
-            "quaternion)"},
-           {"frames", withDefault(options.frames),
-            "A:B = frames with numbers A <= n < B; : = all"},
-           {"threads", withDefault(options.threads),
-            "number of threads; 0 = all processors"},
-           {"features", withDefault(parameters.features),
-            "maximum number of tracked features"},
-           {"window", withDefault(parameters.window),
-            "number of keyframes in the bundle adjustment"},
-           {"offset-drift", withDefault(parameters.offset_drift),
-            "standard deviation of the change of the disparity offset per keyframe "
-            "[px]; 0 = no offset"}}),
-      {"sequence", "output"});
-  if (options.sequence.hasFiles() && options.output.empty())
+  std::vector<Option> all = withSequence(
+      options.sequence,
+      {{"output", options.output, "output trajectory (.txt)"},
+       {"report", options.report,
+        "output table (.csv): tracked features and covariance of each pose"},
+       {"format", withDefault(options.format),
+        "format of the output: kitti (12 numbers per row) or tum (time, "
+        "quaternion)"},
+       {"frames", withDefault(options.frames),
+        "A:B = frames with numbers A <= n < B; : = all"},
+       {"threads", withDefault(options.threads),
+        "number of threads; 0 = all processors"},
+       {"features", withDefault(parameters.features),
+        "maximum number of tracked features"},
+       {"window", withDefault(parameters.window),
+        "number of keyframes in the bundle adjustment"},
+       {"offset-drift", withDefault(parameters.offset_drift),
+        "standard deviation of the change of the disparity offset per keyframe "
+        "[px]; 0 = no offset"}});
+  for (Option& option : optionsOf(parametersOf(options.rgbd)))
+    all.push_back(std::move(option));
+  const po::variables_map values =
+      parseCommandLine(argc, argv, usage, all, {"sequence", "output"});
+  const bool is_rgbd = !options.rgbd.folder.empty();
+  if ((options.sequence.hasFiles() || is_rgbd) && options.output.empty())
     std::swap(options.sequence.folder, options.output); // OUT.txt is the only one
-  asUsage([&] { options.sequence.validate(); });
+  refuseUnread(
+      values,
+      {{is_rgbd,
+        "with --rgbd",
+        {"left", "right", "extrinsics", "times", "strict", "offset-drift"}},
+       {!is_rgbd, "without --rgbd", {"intrinsics", "depth-scale", "depth-within"}}});
+  if (is_rgbd)
+    requireRgbd(options);
+  else
+    asUsage([&] { options.sequence.validate(); });
   refuseIf(options.output.empty(), "OUT.txt is missing");
   refuseIf(options.format != "kitti" && options.format != "tum",
            "--format is '" + options.format + "', expected kitti or tum");
@@ -81,11 +110,10 @@ parse(int argc, char** argv)
 
 // Row n of a KITTI trajectory is frame n.
 void
-requireRowsAreFrames(const FrameSequence& sequence,
-                     const std::vector<std::size_t>& frames)
+requireRowsAreFrames(const std::vector<FrameTime>& frames)
 {
   for (std::size_t row = 0; row < frames.size(); ++row)
-    refuseIf(sequence.frameNumber(frames[row]) != int(row),
+    refuseIf(frames[row].number != int(row),
              "frame " + std::to_string(row) +
                  " is not there, but row n of a KITTI trajectory is frame n; use "
                  "--format tum");
@@ -121,11 +149,17 @@ struct Tracked {
   }
 };
 
+const std::string&
+nameOf(const Options& options)
+{
+  return options.rgbd.folder.empty() ? options.sequence.name() : options.rgbd.folder;
+}
+
 void
 writeResults(const Options& options, const Tracked& results)
 {
   const std::size_t frames = results.trajectory.size();
-  const std::string& name = options.sequence.name();
+  const std::string& name = nameOf(options);
   if (frames > 1 && results.lost.size() + 1 == frames)
     fail<BadInputException>(name, ": no frame could be tracked");
   Trajectory poses;
@@ -146,6 +180,49 @@ writeResults(const Options& options, const Tracked& results)
                 {"trajectory", options.output}});
 }
 
+// Opened frames, and their odometry.
+struct Tracking {
+  std::unique_ptr<FrameSource> source;
+  std::unique_ptr<StereoOdometry> odometry;
+  Eigen::Isometry3d T_file_world; // of the trajectory file
+};
+
+Tracking
+openStereo(const Options& options)
+{
+  const std::shared_ptr<FrameSequence> sequence = openSequenceOf(options.sequence);
+  const ImagePairFiles& files = options.sequence.files;
+  const std::string& folder = options.sequence.folder;
+  refuseSameFiles({files.calibration, files.extrinsics, files.times,
+                   sequence->posesPath(), folder + "/calib.txt", folder + "/times.txt"},
+                  {options.output, options.report});
+  warnOf(doubtsOf(sequence->camera(), options.sequence.strict));
+  return {std::make_unique<RecordedFrames>(sequence, parseFrameRange(options.frames)),
+          std::make_unique<StereoOdometry>(
+              sequence->camera(), sequence->T_camera0_camera(), options.parameters),
+          worldFromFirstCamera().inverse()};
+}
+
+Tracking
+openRgbd(const Options& options)
+{
+  const auto sequence = std::make_shared<const RgbdSequence>(
+      options.rgbd, options.sequence.files.calibration);
+  warnOf(sequence->doubts());
+  const std::string& folder = options.rgbd.folder;
+  refuseSameFiles({options.sequence.files.calibration, sequence->posesPath(),
+                   folder + "/rgb.txt", folder + "/depth.txt"},
+                  {options.output, options.report});
+  StereoOdometry::Parameters parameters = StereoOdometry::parametersOfDepths();
+  parameters.features = options.parameters.features;
+  parameters.window = options.parameters.window;
+  return {std::make_unique<RecordedFrames>(sequence, parseFrameRange(options.frames)),
+          std::make_unique<StereoOdometry>(
+              StereoOdometry::cameraOfDepths(sequence->camera()),
+              Eigen::Isometry3d::Identity(), parameters),
+          Eigen::Isometry3d::Identity()};
+}
+
 int
 track(const Options& options)
 {
@@ -155,29 +232,26 @@ track(const Options& options)
                  ": is the name of an image, expected that of a trajectory or table");
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // reports wrong options first
-  const std::unique_ptr<FrameSequence> opened = openSequenceOf(options.sequence);
-  const FrameSequence& sequence = *opened;
-  const ImagePairFiles& files = options.sequence.files;
-  const std::string& folder = options.sequence.folder;
-  refuseSameFiles({files.calibration, files.extrinsics, files.times,
-                   sequence.posesPath(), folder + "/calib.txt", folder + "/times.txt"},
-                  {options.output, options.report});
-  const std::vector<std::size_t> frames =
-      chooseFrames(options.sequence.name(), sequence, options.frames);
+  Tracking tracking =
+      options.rgbd.folder.empty() ? openStereo(options) : openRgbd(options);
+  const std::vector<FrameTime>& frames = tracking.source->frames();
+  if (frames.empty())
+    fail<BadInputException>(nameOf(options), ": has no frame in ", options.frames);
   if (options.format == "kitti")
-    requireRowsAreFrames(sequence, frames);
-  StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),
-                          options.parameters);
+    requireRowsAreFrames(frames);
   Tracked results;
   {
-    PairWatch watch(options.sequence.strict, sequence.camera());
+    PairWatch watch(options.sequence.strict);
     forEachStep("tracking", frames.size(), [&](std::size_t i) {
-      const StereoFrame frame = sequence.frame(frames[i]);
-      watch.look(frame);
-      const OdometryResult& result = odometry.process(frame);
-      results.add(frame.timestamp,
-                  worldFromFirstCamera().inverse() * result.T_world_camera *
-                      sequence.T_camera0_camera().inverse(),
+      tracking.source->seek(i);
+      const SensorFrame frame = *tracking.source->next();
+      if (const auto* const pair = std::get_if<StereoFrame>(&frame))
+        watch.look(*pair);
+      tracking.odometry->pose(frame);
+      const OdometryResult& result = tracking.odometry->result();
+      results.add(frames[i].timestamp,
+                  tracking.T_file_world * result.T_world_camera *
+                      tracking.source->sensor().T_camera0_sensor.inverse(),
                   result);
     });
   }

@@ -74,7 +74,7 @@ mapRecording(const MapOptions& options, OpenedInputs inputs)
   Results results;
   if (run.framesBefore() > 0)
     results.push_back({"resumed_after", run.framesBefore()});
-  if (!options.inputs.rgbd.empty())
+  if (!options.inputs.rgbd.folder.empty())
     results.push_back({"pixels_without_depth", watch.unmeasured()});
   results.push_back({"map", outputs.folder + "/map.pcd"});
   results.push_back({"top_view", outputs.folder + "/top_view.png"});

@@ -32,8 +32,9 @@ and depth whose files have the same names; depth is registered to colour.)",
     --depth-scale 256)"};
 
 struct Options {
-  std::string sequence, output, calibration, intrinsics;
-  double depth_scale = 0.0, max_depth = 0.0;
+  RgbdFiles sequence;
+  std::string output, calibration;
+  double max_depth = 0.0;
 };
 
 Options
@@ -42,40 +43,35 @@ parse(int argc, char** argv)
   Options options;
   parseCommandLine(
       argc, argv, usage,
-      {{"sequence", options.sequence, "folder of the RGB-D sequence"},
+      {{"sequence", options.sequence.folder, "folder of the RGB-D sequence"},
        {"output", options.output, "output folder"},
        {"calibration", options.calibration,
         "camera of undistorted images: ROS camera_info, OpenCV, Kalibr's camchain or "
         "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt"},
-       {"intrinsics", options.intrinsics,
+       {"intrinsics", options.sequence.intrinsics,
         "intrinsics fx,fy,cx,cy instead of --calibration [px]"},
-       {"depth-scale", withDefault(options.depth_scale),
+       {"depth-scale", withDefault(options.sequence.depth_scale),
         "value of 1 m in the depth images; 0 = 5000 in TUM's layout, else 1000"},
+       {"depth-within", withDefault(options.sequence.depth_within),
+        "maximum difference between the times of a colour image and its depth image in "
+        "TUM's layout [s]"},
        {"max-depth", withDefault(options.max_depth),
         "maximum depth [m]; 0 = unlimited"}},
       {"sequence", "output"});
   refuseIf(options.output.empty(), "expected SEQUENCE OUT");
-  refuseIf(options.calibration.empty() == options.intrinsics.empty(),
+  const std::string& intrinsics = options.sequence.intrinsics;
+  refuseIf(options.calibration.empty() == intrinsics.empty(),
            "expected --calibration or --intrinsics");
+  if (!intrinsics.empty())
+    asUsage([&] { pinholeCameraOf("", intrinsics); });
   refuseIf(!(options.max_depth >= 0.0), "--max-depth is less than 0");
   return options;
-}
-
-PinholeCamera
-cameraOf(const Options& options)
-{
-  if (!options.calibration.empty())
-    return readPinholeCamera(options.calibration);
-  const std::vector<double> numbers =
-      parseNumbersOf("--intrinsics", options.intrinsics);
-  refuseIf(numbers.size() != 4, "--intrinsics: expected fx,fy,cx,cy");
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
 int
 convert(const Options& options)
 {
-  const RgbdSequence sequence(options.sequence, cameraOf(options), options.depth_scale);
+  const RgbdSequence sequence(options.sequence, options.calibration);
   warnOf(sequence.doubts());
   makeOutputFolder(options.output);
   std::vector<std::string> clouds;

@@ -14,4 +14,15 @@ RecordedFrames::RecordedFrames(std::shared_ptr<const FrameSequence> sequence,
   };
 }
 
+RecordedFrames::RecordedFrames(std::shared_ptr<const RgbdSequence> sequence,
+                               const FrameRange& range)
+{
+  const std::vector<std::size_t> positions = selectFrames(*sequence, range);
+  sensor_ = {sequence->camera(), Eigen::Isometry3d::Identity(), true};
+  frames_ = frameTimes(*sequence, positions);
+  read_ = [sequence = std::move(sequence), positions](std::size_t i) {
+    return sequence->frame(positions[i]);
+  };
+}
+
 } // namespace pcl_semantic

@@ -4,8 +4,13 @@
 #include "camera_file.h"
 
 #include "core/fail.h"
+#include "core/split.h"
+
+#include <pcl_semantic/core/parse_number.h>
 
 #include <cmath>
+#include <string_view>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -68,6 +73,28 @@ readPinholeCamera(const std::string& path)
   PinholeCamera camera{K(0, 0),     K(1, 1),   K(0, 2),   K(1, 2),    file.width,
                        file.height, file.path, file.size, file.doubts};
   readFrom(path, [&] { camera.validate(); });
+  return camera;
+}
+
+PinholeCamera
+pinholeCameraOf(const std::string& calibration, const std::string& intrinsics)
+{
+  if (calibration.empty() == intrinsics.empty())
+    badParameter("expected --calibration or --intrinsics");
+  if (!calibration.empty())
+    return readPinholeCamera(calibration);
+  std::vector<double> numbers;
+  try {
+    for (const std::string_view word : splitAt(',', intrinsics))
+      numbers.push_back(parseNumber(std::string(word), "--intrinsics"));
+  }
+  catch (const BadInputException&) {
+    numbers.clear();
+  }
+  if (numbers.size() != 4)
+    badParameter("--intrinsics is '", intrinsics, "', expected fx,fy,cx,cy [px]");
+  PinholeCamera camera{numbers[0], numbers[1], numbers[2], numbers[3]};
+  camera.validate();
   return camera;
 }
 

@@ -24,8 +24,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kMaxDifference = 0.02; // between the times of colour and depth [s]
-
 struct TimedFile {
   double time = 0.0;
   std::string word, path; // the time as text
@@ -107,15 +105,43 @@ doubtOfScale(double median, double scale)
 
 } // namespace
 
+ConfigParameters
+parametersOf(RgbdFiles& files)
+{
+  return {{"rgbd",
+           "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ "
+           "and depth/; needs --calibration (ROS camera_info, Kalibr) or --intrinsics",
+           &files.folder},
+          {"intrinsics",
+           "intrinsics fx,fy,cx,cy of --rgbd instead of --calibration "
+           "[px]",
+           &files.intrinsics},
+          {"depth_scale",
+           "value of 1 m in the depth images of --rgbd; 0 = 5000 in TUM's layout, else "
+           "1000",
+           &files.depth_scale},
+          {"depth_within",
+           "maximum difference between the times of a colour image and its depth image "
+           "in TUM's layout [s]",
+           &files.depth_within}};
+}
+
+RgbdSequence::RgbdSequence(const RgbdFiles& files, const std::string& calibration)
+    : RgbdSequence(files.folder, pinholeCameraOf(calibration, files.intrinsics),
+                   files.depth_scale, files.depth_within)
+{}
+
 RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camera,
-                           double depth_scale)
-    : doubts_(camera.doubts), depth_scale_(depth_scale)
+                           double depth_scale, double depth_within)
+    : folder_(folder), doubts_(camera.doubts), depth_scale_(depth_scale)
 {
   camera.validate();
   requireScale(depth_scale);
+  if (!(depth_within >= 0.0 && std::isfinite(depth_within)))
+    badParameter("depth_within is ", depth_within, " s, expected 0 or more");
   const bool is_tum = isThere(folder + "/rgb.txt");
   if (is_tum)
-    readTumLists(folder);
+    readTumLists(folder, depth_within);
   else
     findFolders(folder);
   if (depth_scale_ == 0.0)
@@ -126,20 +152,28 @@ RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camer
 }
 
 void
-RgbdSequence::readTumLists(const std::string& folder)
+RgbdSequence::readTumLists(const std::string& folder, double depth_within)
 {
   const std::vector<TimedFile> depths = readList(folder, "depth.txt");
-  for (const TimedFile& colour : readList(folder, "rgb.txt")) {
+  const std::vector<TimedFile> colours = readList(folder, "rgb.txt");
+  for (const TimedFile& colour : colours) {
     const auto nearest = std::min_element(
         depths.begin(), depths.end(), [&](const TimedFile& a, const TimedFile& b) {
           return std::abs(a.time - colour.time) < std::abs(b.time - colour.time);
         });
-    if (std::abs(nearest->time - colour.time) <= kMaxDifference)
+    if (std::abs(nearest->time - colour.time) <= depth_within)
       frames_.push_back({colour.word, colour.path, nearest->path, colour.time});
   }
   if (frames_.empty())
-    fail<BadInputException>(folder, "/depth.txt: no time is within ", kMaxDifference,
-                            " s of one in rgb.txt");
+    fail<BadInputException>(folder, "/depth.txt: no time is within ", depth_within,
+                            " s of one in rgb.txt; --depth-within allows more");
+  if (const std::size_t skipped = colours.size() - frames_.size(); skipped > 0) {
+    TextStream text;
+    text << folder << "/rgb.txt: " << skipped << " of its " << colours.size()
+         << " images have no depth image within " << depth_within
+         << " s and are skipped; --depth-within allows more";
+    doubts_.push_back(text.str());
+  }
 }
 
 void
@@ -160,6 +194,13 @@ RgbdSequence::findFolders(const std::string& folder)
   if (depths > frames_.size())
     doubts_.push_back(folder + "/depth: " + std::to_string(depths - frames_.size()) +
                       " of its images have no colour image in rgb and are ignored");
+}
+
+std::string
+RgbdSequence::posesPath() const
+{
+  const std::string path = folder_ + "/groundtruth.txt";
+  return isThere(path) ? path : "";
 }
 
 std::vector<std::string>

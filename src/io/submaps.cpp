@@ -170,9 +170,11 @@ correctedPoses(const std::string& description, const std::string& trajectory,
 {
   const RunSensor sensor = sensorOf(description);
   return sensor.has_own_poses ? readStoredPoses(trajectory, PoseFrame::sensor,
-                                                Eigen::Isometry3d::Identity(), doubts)
+                                                Eigen::Isometry3d::Identity(),
+                                                StoredPoses::default_gap, doubts)
                               : readStoredPoses(trajectory, PoseFrame::first_camera,
-                                                sensor.T_camera0_camera, doubts);
+                                                sensor.T_camera0_camera,
+                                                StoredPoses::default_gap, doubts);
 }
 
 Eigen::Isometry3d

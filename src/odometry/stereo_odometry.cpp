@@ -395,6 +395,12 @@ StereoOdometry::process(const StereoFrame& frame)
   return engine_->process(frame);
 }
 
+const OdometryResult&
+StereoOdometry::result() const
+{
+  return engine_->result;
+}
+
 int
 StereoOdometry::lostFrames() const
 {

@@ -10,25 +10,27 @@
 namespace pcl_semantic {
 
 std::unique_ptr<PoseSource>
-posesOf(const StoredTrajectory& trajectory, const Eigen::Isometry3d& T_camera0_camera)
+posesOf(const StoredTrajectory& trajectory, const Eigen::Isometry3d& T_camera0_camera,
+        double gap)
 {
-  return std::make_unique<TrajectoryPoses>(StoredPoses(trajectory, T_camera0_camera));
+  return std::make_unique<TrajectoryPoses>(
+      StoredPoses(trajectory, T_camera0_camera, gap));
 }
 
 std::unique_ptr<PoseSource>
 readPoses(const std::string& path, const Eigen::Isometry3d& T_camera0_camera,
-          std::vector<std::string>* doubts)
+          double gap, std::vector<std::string>* doubts)
 {
   return std::make_unique<TrajectoryPoses>(
-      readStoredPoses(path, PoseFrame::first_camera, T_camera0_camera, doubts));
+      readStoredPoses(path, PoseFrame::first_camera, T_camera0_camera, gap, doubts));
 }
 
 std::unique_ptr<PoseSource>
-readSensorPoses(const std::string& path, PoseFrame frame,
+readSensorPoses(const std::string& path, PoseFrame frame, double gap,
                 std::vector<std::string>* doubts)
 {
   return std::make_unique<TrajectoryPoses>(
-      readStoredPoses(path, frame, Eigen::Isometry3d::Identity(), doubts));
+      readStoredPoses(path, frame, Eigen::Isometry3d::Identity(), gap, doubts));
 }
 
 Eigen::Isometry3d

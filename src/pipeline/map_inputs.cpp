@@ -27,22 +27,12 @@ requireLabels(const MapInputs& inputs)
   refuseIf(!inputs.sensor.empty(), "--sensor is for --clouds");
   refuseIf(!inputs.label_mapping.empty() && inputs.labels.empty(),
            "--label-mapping is for --labels or --clouds");
-  refuseIf(inputs.labels.empty() == inputs.network.empty(),
-           "expected either --labels or --network");
+  refuseIf(!inputs.labels.empty() && !inputs.network.empty(),
+           "--labels and --network exclude each other");
   refuseIf(!inputs.model.empty() && inputs.network.empty(), "--model needs --network");
   requireEngine(inputs.engine, inputs.network);
   refuseIf(!inputs.label_set.empty() && inputs.labels.empty(),
            "--label-set is for --labels; the description of a network names its own");
-}
-
-// Refuses the values of --poses that only a stereo sequence supports.
-void
-requireTrajectory(const MapInputs& inputs, const std::string& option)
-{
-  refuseIf(inputs.poses == "auto" || inputs.poses == "sequence" ||
-               inputs.poses == "odometry",
-           option + " needs a trajectory: --poses FILE" +
-               (option == "--clouds" ? " or viewpoint" : ""));
 }
 
 void
@@ -53,7 +43,9 @@ requireClouds(const MapInputs& inputs)
   refuseIf(!sequence.folder.empty() || !sequence.files.left.empty() ||
                !sequence.files.right.empty() || sequence.strict,
            "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
-  requireTrajectory(inputs, "--clouds");
+  refuseIf(inputs.poses == "auto" || inputs.poses == "sequence" ||
+               inputs.poses == "odometry",
+           "--clouds needs a trajectory: --poses FILE or viewpoint");
   refuseIf(
       inputs.poses == "viewpoint" && sensor != "own",
       "--poses viewpoint is for --sensor own: a VIEWPOINT is the pose of the sensor");
@@ -71,9 +63,11 @@ void
 requireRgbd(const MapInputs& inputs)
 {
   refuseIf(!inputs.sequence.folder.empty(), "--rgbd and a SEQUENCE exclude each other");
-  refuseIf(inputs.sequence.files.calibration.empty(),
-           "--rgbd needs --calibration, the camera's intrinsics");
-  requireTrajectory(inputs, "--rgbd");
+  const std::string& calibration = inputs.sequence.files.calibration;
+  refuseIf(calibration.empty() == inputs.rgbd.intrinsics.empty(),
+           "--rgbd needs --calibration or --intrinsics, the camera");
+  if (calibration.empty())
+    pinholeCameraOf("", inputs.rgbd.intrinsics);
   requireLabels(inputs);
 }
 
@@ -83,12 +77,12 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
 {
   const std::vector<std::string> of_pairs = {"stereo", "disparities", "max-deviation",
                                              "deviation-scale"};
+  const bool is_rgbd = !inputs.rgbd.folder.empty();
   std::vector<UnreadOptions> rules = {
-      {!inputs.rgbd.empty(), "with --rgbd", of_pairs},
-      {!inputs.rgbd.empty(),
+      {is_rgbd, "with --rgbd", of_pairs},
+      {is_rgbd,
        "with --rgbd",
-       {"left", "right", "extrinsics", "times", "strict", "clouds", "also",
-        "scan-within"}},
+       {"left", "right", "extrinsics", "times", "strict", "clouds", "scan-within"}},
       {!inputs.clouds.empty(), "with --clouds", of_pairs},
       {!inputs.clouds.empty(),
        "with --clouds, which hold their labels (pcl_semantic_label adds labels to "
@@ -97,7 +91,13 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
       {!inputs.hasCamera(),
        "with --clouds that are not of a camera",
        {"map-only", "min-hit-ratio", "label-calibration"}},
-      {inputs.rgbd.empty(), "without --rgbd", {"depth-scale"}},
+      {!is_rgbd, "without --rgbd", {"depth-scale", "depth-within", "intrinsics"}},
+      {inputs.poses == "odometry" || inputs.poses == "viewpoint",
+       "without a trajectory",
+       {"pose-gap"}},
+      {inputs.clouds.empty() && !inputs.hasImageLabels(),
+       "without --labels or --network",
+       {"crf", "network-every", "label-calibration"}},
       {inputs.clouds.empty() && !inputs.reads_scans,
        "without --clouds or --also scans",
        {"scan-columns"}},
@@ -120,6 +120,12 @@ MapInputs::cloudSensor() const
 }
 
 bool
+MapInputs::hasImageLabels() const
+{
+  return !labels.empty() || !network.empty();
+}
+
+bool
 MapInputs::hasCamera() const
 {
   const std::string of_clouds = cloudSensor();
@@ -129,17 +135,21 @@ MapInputs::hasCamera() const
 const std::string&
 MapInputs::name() const
 {
-  return !rgbd.empty() ? rgbd : !clouds.empty() ? clouds : sequence.name();
+  return !rgbd.folder.empty() ? rgbd.folder
+         : !clouds.empty()    ? clouds
+                              : sequence.name();
 }
 
 void
 MapInputs::validate(const MapperConfig& config) const
 {
   refuseUnread(given, unreadOptions(*this, config));
-  refuseIf(!(depth_scale >= 0.0), "--depth-scale is less than 0");
+  refuseIf(!(rgbd.depth_scale >= 0.0), "--depth-scale is less than 0");
+  refuseIf(!(rgbd.depth_within >= 0.0), "--depth-within is less than 0");
+  refuseIf(!(pose_gap >= 0.0), "--pose-gap is less than 0");
   refuseIf(poses == "viewpoint" && clouds.empty(), "--poses viewpoint is for --clouds");
   parseFrameRange(frames);
-  if (!rgbd.empty())
+  if (!rgbd.folder.empty())
     return requireRgbd(*this);
   if (!clouds.empty())
     return requireClouds(*this);
@@ -151,21 +161,14 @@ ConfigParameters
 parametersOf(MapInputs& inputs)
 {
   ConfigParameters parameters = parametersOf(inputs.sequence);
+  const ConfigParameters of_rgbd = parametersOf(inputs.rgbd);
+  parameters.insert(parameters.end(), of_rgbd.begin(), of_rgbd.end());
   const ConfigParameters more = {
       {"clouds",
        "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or pattern "
        "of .pcd, .ply or KITTI .bin files, one per frame, in the sensor frame; needs "
        "--poses FILE or viewpoint",
        &inputs.clouds},
-      {"rgbd",
-       "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ and "
-       "depth/; needs --calibration with the intrinsics (ROS camera_info, Kalibr) and "
-       "--poses FILE with the camera poses in a world with z up",
-       &inputs.rgbd},
-      {"depth_scale",
-       "value of 1 m in the depth images of --rgbd; 0 = 5000 in TUM's layout, else "
-       "1000",
-       &inputs.depth_scale},
       {"scan_columns", kScanColumnsHelp, &inputs.scan_columns},
       {"sensor",
        "sensor of --clouds: own = any sensor, --poses has its poses in a world with z "
@@ -188,9 +191,15 @@ parametersOf(MapInputs& inputs)
        &inputs.label_calibration},
       {"poses",
        "trajectory file (KITTI or TUM) or a source of poses: sequence = poses.txt of "
-       "SEQUENCE, odometry = estimated from the images, viewpoint = VIEWPOINT of "
-       "--clouds, auto = poses.txt if there is one, else odometry",
+       "SEQUENCE or groundtruth.txt of --rgbd, odometry = estimated from the images, "
+       "viewpoint = VIEWPOINT of --clouds, auto = those of the sequence if there are "
+       "any, else odometry; a file has the poses of camera 0, with --rgbd and --clouds "
+       "those of the sensor in a world with z up",
        &inputs.poses},
+      {"pose_gap",
+       "maximum gap between two poses of a TUM trajectory that are interpolated [s]; 0 "
+       "= take the nearest within 0.01 s",
+       &inputs.pose_gap},
       {"frames", "A:B = frames with numbers A <= n < B; : = all", &inputs.frames}};
   parameters.insert(parameters.end(), more.begin(), more.end());
   return parameters;

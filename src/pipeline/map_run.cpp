@@ -82,6 +82,8 @@ MapRun::MapRun(OpenedInputs inputs, const MapperConfig& config, MapOutputs outpu
   run_.config.validate();
   run_.finds_planes = run_.config.things; // also of classes that have no objects
   run_.config.things = run_.config.things && run_.label_set.hasThings();
+  if (!inputs_.has_labels)
+    run_.config.crf = CRFModelType::unary;
   if (auto& sensor = run_.config.crf_parameters.sensor;
       sensor == PointSensor::automatic && run_.camera) // a merge has no other trace
     sensor =

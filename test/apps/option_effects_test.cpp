@@ -139,6 +139,8 @@ const std::vector<Mode> modes = {
     {"--screenshot", "view IN/one --screenshot OUT/view.png --size 640x400"},
     {"rgbd", "rgbd IN/street/rgbd OUT/clouds --calibration IN/street/camera.yaml"},
     {"--intrinsics", "rgbd IN/street/rgbd OUT/clouds --intrinsics 120,120,104,32"},
+    {"--rgbd", "odometry --rgbd IN/street/rgbd --calibration IN/street/camera.yaml "
+               "OUT/poses.txt"},
     {"stereo", "stereo IN/street/image_2 IN/street/image_3 IN/street/calib.txt "
                "OUT/clouds"},
     {"a room", "synthesize OUT/room --scene room --frames 1 --size 104x78"},
@@ -194,6 +196,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"crf-temperature", {{"9"}, {"9", "--refined OUT/refined.bin"}}},
     {"crop", {{"0,-5,-5,9,5,5"}}},
     {"depth-scale", {{"700"}}},
+    {"intrinsics", {{"130,130,100,30"}}},
     {"deviation-scale", {{"1"}}},
     {"disparities", {{"64"}}},
     {"disparity", {{"OUT/disparities"}, {"OUT/disparity.png"}}},
@@ -335,7 +338,8 @@ const std::map<std::string, std::vector<Trial>> trials = {
 // no images of frames, `crf-every` costs time alone.
 const std::set<std::string> unseen = {
     "help", "help-all", "version", "man", "quiet", "verbose", "json", "threads",
-    "memory", "engine", "view", "live view", "odometry window", "--clouds crf-every",
+    "memory", "engine", "depth-within", "pose-gap", "view", "live view",
+    "odometry window", "--clouds crf-every",
     // One frame contradicts no other, and has nothing thin that is outvoted.
     "live crf-every", "live clearing", "live hit-probability", "live miss-probability",
     "live deviation-scale", "live crf-keep-thin", "drive 'a' crf-every"};

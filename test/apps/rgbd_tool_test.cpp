@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "support/bad_case.h"
 #include "support/map_folder.h"
 #include "support/rgbd_street.h"
 
+#include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/images/image_file.h>
@@ -38,6 +40,15 @@ mapRgbd(const TemporaryFolder& folder, const std::string& options,
                      folder.path("out")));
 }
 
+std::string
+intrinsicsOf(const std::string& street)
+{
+  const StereoCamera camera = KittiSequence(street).camera();
+  TextStream text;
+  text << camera.fx << "," << camera.fy << "," << camera.cx << "," << camera.cy;
+  return text.str();
+}
+
 } // namespace
 
 TEST(RgbdMap, IsLabelledAsTheImagesAre)
@@ -70,22 +81,75 @@ TEST(RgbdMap, LabelsEveryNthFrameAndGivesCentres)
         (*map.voxels.cloud)[i].getVector3fMap().isApprox(map.voxels.centre(i), 1e-5f));
 }
 
+TEST(RgbdMap, HasTheOutputsForEvaluation)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), out = folder.path("out");
+  mapRgbd(folder, "--also depth,measured,probabilities");
+  const cv::Mat given =
+      readPng(street + "/rgbd/depth/000001.png", ImageKind::disparity);
+  const cv::Mat written = readPng(out + "/depth/000001.png", ImageKind::disparity);
+  ASSERT_EQ(written.size(), given.size());
+  int measured = 0, wrong = 0;
+  for (int v = 0; v < given.rows; ++v)
+    for (int u = 0; u < given.cols; ++u)
+      if (const auto depth = given.at<std::uint16_t>(v, u); isMeasuredDepth(depth)) {
+        const double error = written.at<std::uint16_t>(v, u) / 256.0 - depth / 1000.0;
+        wrong += std::abs(error) > 0.002;
+        ++measured;
+      }
+  EXPECT_GT(measured, 1000);
+  EXPECT_EQ(wrong, 0);
+  for (const char* const name : {"measured_labels", "final_labels_at_depth"})
+    EXPECT_TRUE(fs::exists(out + "/" + name + "/000002.png")) << name;
+}
+
+TEST(RgbdMap, NeedsNeitherLabelsNorPosesNorACameraFile)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), out = folder.path("out");
+  mapRgbd(folder, "");
+  const std::size_t labelled = readMapFolder(out).voxels.size();
+  const std::string command =
+      "map --rgbd STREET/rgbd --intrinsics " + intrinsicsOf(street) + " --output OUT";
+  const std::string text =
+      succeed(replaceAll(replaceAll(command, "STREET", street), "OUT", out));
+  EXPECT_TRUE(holds(text,
+                    "warning: without --labels or --network the map has depth and "
+                    "colour, but no classes"));
+  const MapFolder map = readMapFolder(out);
+  EXPECT_GT(map.voxels.size(), labelled / 2);
+  for (const pcl::PointXYZRGBL& point : *map.voxels.cloud)
+    EXPECT_EQ(point.label, kUnlabelled);
+  const Trajectory truth = readKittiTrajectory(street + "/world.txt");
+  const Trajectory found = readKittiTrajectory(out + "/trajectory.txt");
+  ASSERT_EQ(found.size(), 3u);
+  const double path = (truth[2].translation() - truth[0].translation()).norm();
+  EXPECT_NEAR(found[2].translation().norm(), path, 0.03 * path);
+}
+
 TEST(RgbdMap, BadInput)
 {
   expectAllFail(
       {{2, "exclude each other", run + "STREET"},
        {2, "--clouds has no effect with --rgbd", run + "--clouds STREET"},
-       {2, "--rgbd needs --calibration",
+       {2, "--rgbd needs --calibration or --intrinsics",
         "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
         "STREET/labels"},
-       {2, "--rgbd needs a trajectory",
-        "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --output OUT "
-        "--labels STREET/labels"},
-       {2, "either --labels or --network",
-        "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
-        "STREET/world.txt --output OUT"},
+       {2, "--rgbd needs --calibration or --intrinsics",
+        run + "--intrinsics 120,120,104,32"},
+       {2, "--intrinsics is '120,120', expected fx,fy,cx,cy",
+        replaceAll(run, "--calibration STREET/camera.yaml", "--intrinsics 120,120")},
+       {3, "rgbd: has no groundtruth.txt",
+        replaceAll(run, "STREET/world.txt", "sequence"), makeRgbd},
+       {2, "--labels and --network exclude each other", run + "--network x.yaml"},
+       {2, "--crf has no effect without --labels or --network",
+        replaceAll(run, "--labels STREET/labels", "--crf dense")},
        {2, "--sensor is for --clouds", run + "--sensor own"},
-       {2, "--also has no effect with --rgbd", run + "--also depth"},
+       {2, "--also scans needs a SEQUENCE with laser scans", run + "--also scans",
+        makeRgbd},
+       {2, "--depth-within is less than 0", run + "--depth-within -1"},
+       {2, "--pose-gap is less than 0", run + "--pose-gap -1"},
        {2, "--depth-scale is less than 0", run + "--depth-scale -1"},
        {3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
        {3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"), makeRgbd},

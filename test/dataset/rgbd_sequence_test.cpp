@@ -76,6 +76,16 @@ TEST_F(Rgbd, TumsListsAreMatchedByTime)
   EXPECT_EQ(sequence.name(0), "100.01");
   EXPECT_EQ(sequence.frame(1).timestamp, 100.05);
   EXPECT_EQ(sequence.frame(1).cloud->at(1, 0).z, 0.4f);
+  EXPECT_EQ(sequence.doubts().at(0),
+            folder.path("rgb.txt") +
+                ": 1 of its 3 images have no depth image within "
+                "0.02 s and are skipped; --depth-within allows more");
+  EXPECT_EQ(RgbdSequence(folder.path(), camera, 0.0, 1.0).size(), 3u);
+  EXPECT_THROW(RgbdSequence(folder.path(), camera, 0.0, -1.0),
+               InvalidParameterException);
+  EXPECT_EQ(sequence.posesPath(), "");
+  folder.write("groundtruth.txt", "");
+  EXPECT_EQ(sequence.posesPath(), folder.path("groundtruth.txt"));
   for (const auto& [list, says] : std::vector<std::pair<std::string, std::string>>{
            {"100.00 depth/b.png\n100.00 depth/a.png\n",
             "depth.txt line 2: times have to rise"},

@@ -146,7 +146,8 @@ TEST(PoseDoubts, NamesTheFile)
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_TRUE(holds(doubts[0], "tum.txt: most poses are tilted"));
   std::vector<std::string> of_poses;
-  readSensorPoses(folder.path("tum.txt"), PoseFrame::sensor, &of_poses);
+  readSensorPoses(folder.path("tum.txt"), PoseFrame::sensor, StoredPoses::default_gap,
+                  &of_poses);
   EXPECT_EQ(of_poses, doubts);
 }
 

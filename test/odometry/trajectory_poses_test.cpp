@@ -65,7 +65,7 @@ TEST(PosesByTime, AreThoseOfTheSameTrajectoryByRow)
   TimedTrajectory timed;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].translation() << 0.1 * double(i), 0.2, double(i);
-    timed.push_back({0.1 * double(i) + 0.004, rows[i]});
+    timed.push_back({0.1 * double(i) + 4e-6, rows[i]});
   }
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   T_camera0_camera.translation().x() = -0.06;
@@ -82,8 +82,8 @@ TEST(PosesByTime, AFrameWithoutPoseIsNamed)
   TrajectoryPoses poses(StoredPoses(
       storedTrajectory(TimedTrajectory{{1.0, Eigen::Isometry3d::Identity()}})));
   EXPECT_EQ(thrownMessage<BadInputException>([&] { poses.pose(frameOf(7, 1.02)); }),
-            "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7; its "
-            "times are from 1 to 1 s");
+            "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7, nor "
+            "two around it within 0.2 s; its times are from 1 to 1 s");
 }
 
 TEST(PosesByTime, AreAllRequiredBeforeTheFirstFrame)
@@ -91,20 +91,50 @@ TEST(PosesByTime, AreAllRequiredBeforeTheFirstFrame)
   const double start = 1403636579.763555584; // as ORB-SLAM writes EuRoC's
   TimedTrajectory trajectory(4);
   for (const int i : {0, 1, 2, 3})
-    trajectory[std::size_t(i)].time = start + (i < 2 ? 0.05 * i : 0.05 * (i + 1));
+    trajectory[std::size_t(i)].time = start + (i < 2 ? 0.05 * i : 0.05 * (i + 4));
   const TrajectoryPoses poses(StoredPoses(storedTrajectory(trajectory)));
   std::vector<FrameTime> frames;
-  for (const int i : {0, 1, 3, 4})
+  for (const int i : {0, 1, 6, 7})
     frames.push_back({10 + i, start + 0.05 * i});
   poses.requirePoses(frames);
   poses.requirePoses({});
   frames.push_back({12, start + 0.1}); // lost in the middle
-  frames.push_back({15, start + 0.25});
+  frames.push_back({18, start + 0.4});
   EXPECT_EQ(
       thrownMessage<BadInputException>([&] { poses.requirePoses(frames); }),
-      "tum.txt: has no pose within 0.01 s of 1403636579.86356 s, the time of frame 12; "
-      "its times are from 1403636579.76356 to 1403636579.96356 s; 2 of 6 frames lack "
-      "one");
+      "tum.txt: has no pose within 0.01 s of 1403636579.86356 s, the time of frame 12, "
+      "nor two around it within 0.2 s; its times are from 1403636579.76356 to "
+      "1403636580.11356 s; 2 of 6 frames lack one");
+}
+
+TEST(PosesByTime, AreInterpolatedInSmallGaps)
+{
+  TimedTrajectory trajectory(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    trajectory[i].time = i < 3 ? 0.1 * double(i) : 1.0;
+    trajectory[i].pose.translation().x() = double(i);
+    trajectory[i].pose.rotate(
+        Eigen::AngleAxisd(0.1 * double(i), Eigen::Vector3d::UnitY()));
+  }
+  StoredTrajectory stored = storedTrajectory(trajectory);
+  stored.frame = PoseFrame::sensor;
+  const StoredPoses poses(stored);
+  for (const double time : {0.0, 0.03, 0.05, 0.1, 0.17, 0.2}) {
+    const Eigen::Isometry3d pose = poses.pose({0, time});
+    EXPECT_NEAR(pose.translation().x(), 10.0 * time, 1e-9);
+    const Eigen::AngleAxisd turn(pose.linear());
+    EXPECT_NEAR(turn.angle(), time, 1e-4); // the arc itself
+  }
+  EXPECT_EQ(poses.pose({0, 0.209}).translation().x(), 2.0); // the nearest one
+  EXPECT_THROW(poses.pose({0, 0.5}), BadInputException);
+  EXPECT_THROW(poses.pose({0, 1.1}), BadInputException);
+  const StoredPoses wide(stored, Eigen::Isometry3d::Identity(), 1.0);
+  EXPECT_NEAR(wide.pose({0, 0.6}).translation().x(), 2.5, 1e-9);
+  const StoredPoses none(stored, Eigen::Isometry3d::Identity(), 0.0);
+  EXPECT_EQ(none.pose({0, 0.108}).translation().x(), 1.0);
+  EXPECT_THROW(none.pose({0, 0.05}), BadInputException);
+  EXPECT_THROW(StoredPoses(stored, Eigen::Isometry3d::Identity(), -1.0),
+               InvalidParameterException);
 }
 
 TEST(PoseFile, ReadsEitherFormat)

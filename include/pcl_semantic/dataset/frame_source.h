@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
 #include <Eigen/Geometry>
@@ -74,6 +75,9 @@ public:
     sensor_ = std::move(sensor);
     frames_ = std::move(frames);
   }
+
+  /** \brief Selects a range of frames from an RGB-D sequence. */
+  RecordedFrames(std::shared_ptr<const RgbdSequence> sequence, const FrameRange& range);
 
   /** \brief Selects a range of frames from a stereo sequence. */
   RecordedFrames(std::shared_ptr<const FrameSequence> sequence,

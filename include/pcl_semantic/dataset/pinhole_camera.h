@@ -52,4 +52,12 @@ struct PinholeCamera {
  * distortion model */
 PinholeCamera readPinholeCamera(const std::string& path);
 
+/** \brief Does the same for a file, or takes the camera from four numbers.
+ * \param[in] calibration path of the file; empty = from \a intrinsics
+ * \param[in] intrinsics fx,fy,cx,cy [px]; empty = from the file
+ * \throws InvalidParameterException unless one of them is given, or if there are not
+ * four numbers */
+PinholeCamera pinholeCameraOf(const std::string& calibration,
+                              const std::string& intrinsics);
+
 } // namespace pcl_semantic

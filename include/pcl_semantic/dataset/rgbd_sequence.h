@@ -1,33 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/config_parameter.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief An RGB-D sequence as options name it; the camera's file is separate. */
+struct RgbdFiles {
+  std::string folder;         ///< see RgbdSequence
+  std::string intrinsics;     ///< fx,fy,cx,cy instead of the camera's file [px]
+  double depth_scale = 0.0;   ///< number per metre; 0 = default of the layout
+  double depth_within = 0.02; ///< between the times of colour and depth [s]
+};
+
+/** \brief Parameters `rgbd`, `intrinsics`, `depth_scale`, `depth_within`. */
+ConfigParameters parametersOf(RgbdFiles& files);
+
 /** \brief Frames of an RGB-D camera with depth images registered to the colour images.
  *
  * In TUM's layout, `rgb.txt` and `depth.txt` list times and files. Each colour image
- * gets the depth image nearest in time, and is skipped if none is within 0.02 s. The
- * other layout is a folder with `rgb/` and `depth/`, with equal file names in both.
- * Depth images are 16-bit PNGs; 0 and 65535 are no depths. */
+ * gets the depth image nearest in time, and is skipped if none is within a maximum
+ * difference. The other layout is a folder with `rgb/` and `depth/`, with equal file
+ * names in both. Depth images are 16-bit PNGs; 0 and 65535 are no depths. */
 class RgbdSequence {
 public:
   /** \param[in] folder see above
    * \param[in] camera of the undistorted colour images
    * \param[in] depth_scale number per metre; 0 = 5000 in TUM's layout, else 1000
+   * \param[in] depth_within maximum difference between the times of colour and depth
+   * in TUM's layout [s]
    * \throws BadInputException if the folder has no frames, or the first image does not
    * have the camera's size
-   * \throws InvalidParameterException if the scale is less than 1: probably metres per
-   * number */
+   * \throws InvalidParameterException if the scale is less than 1 (probably metres per
+   * number), or the difference negative or not finite */
   RgbdSequence(const std::string& folder, const PinholeCamera& camera,
-               double depth_scale = 0.0);
+               double depth_scale = 0.0,
+               double depth_within = RgbdFiles().depth_within);
+
+  /** \brief Opens a sequence.
+   * \param[in] calibration the camera's file; empty = RgbdFiles::intrinsics
+   * \throws as the constructor, readPinholeCamera() and pinholeCameraOf() */
+  RgbdSequence(const RgbdFiles& files, const std::string& calibration);
 
   std::size_t
   size() const
@@ -57,6 +78,10 @@ public:
     return frames_.at(i).time;
   }
 
+  /** \brief Path of the folder's groundtruth.txt (TUM's layout); empty if there is
+   * none. */
+  std::string posesPath() const;
+
   /** \brief The camera, with the size of the first image; its baseline of 1 m is
    * ignored. */
   const StereoCamera&
@@ -83,10 +108,11 @@ private:
     double time = 0.0; // [s]
   };
 
-  void readTumLists(const std::string& folder);
+  void readTumLists(const std::string& folder, double depth_within);
 
   void findFolders(const std::string& folder);
 
+  std::string folder_;
   StereoCamera camera_;
   std::vector<std::string> doubts_;
   double depth_scale_;

@@ -108,6 +108,9 @@ public:
    * of its depths or of the camera, or is not 8 bit grey or BGR */
   const OdometryResult& process(const RgbdFrame& frame);
 
+  /** \brief The result of the last frame. */
+  const OdometryResult& result() const;
+
   int lostFrames() const override;
 
 private:

@@ -36,10 +36,12 @@ private:
 
 /** \brief The poses of a trajectory for the frames of a sensor.
  * \param[in] T_camera0_camera pose of the images' camera in camera 0, if the file
- * contains the poses of camera 0 */
+ * contains the poses of camera 0
+ * \param[in] gap see StoredPoses [s] */
 std::unique_ptr<PoseSource>
 posesOf(const StoredTrajectory& trajectory,
-        const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity());
+        const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity(),
+        double gap = StoredPoses::default_gap);
 
 /** \brief Reads poses of camera 0 from a trajectory file in KITTI's or TUM's format.
  * \param[in] T_camera0_camera pose of the images' camera in camera 0
@@ -48,6 +50,7 @@ posesOf(const StoredTrajectory& trajectory,
 std::unique_ptr<PoseSource>
 readPoses(const std::string& path,
           const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity(),
+          double gap = StoredPoses::default_gap,
           std::vector<std::string>* doubts = nullptr);
 
 /** \brief Reads the poses of the sensor itself, T_world_sensor in a world with z up (x
@@ -55,6 +58,7 @@ readPoses(const std::string& path,
  * \param[in] frame sensor or camera: the known axes, for plausibility warnings */
 std::unique_ptr<PoseSource> readSensorPoses(const std::string& path,
                                             PoseFrame frame = PoseFrame::sensor,
+                                            double gap = StoredPoses::default_gap,
                                             std::vector<std::string>* doubts = nullptr);
 
 /** \brief The poses stored in clouds, CloudFrame::viewpoint. */

@@ -3,7 +3,9 @@
 
 #include <pcl_semantic/core/config_parameter.h>
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/dataset/sequence_files.h>
+#include <pcl_semantic/files/stored_poses.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <set>
@@ -17,8 +19,7 @@ struct MapInputs {
   SequenceFiles sequence;
   /// Folder or pattern of clouds instead of the sequence, see CloudSequence.
   std::string clouds;
-  std::string rgbd;         ///< folder of an RgbdSequence, instead of the sequence
-  double depth_scale = 0.0; ///< scale of RGB-D depths; 0 = default of the layout
+  RgbdFiles rgbd; ///< RGB-D sequence, instead of the sequence
   /// Sensor of the clouds: `own` (any), `camera` or `grey` (left camera of KITTI's
   /// colour or grey pair) or `laser` (KITTI's Tr). Empty = own, or camera with a
   /// calibration.
@@ -36,6 +37,8 @@ struct MapInputs {
   /// `odometry`; `viewpoint` (the viewpoint in each cloud's file); or `auto`.
   /// `auto` uses the sequence's trajectory if it exists, else odometry.
   std::string poses = "auto";
+  /// Maximum gap between two timed poses that are interpolated [s], see StoredPoses.
+  double pose_gap = StoredPoses::default_gap;
   std::string frames = ":"; ///< see parseFrameRange()
   bool reads_scans = false; ///< also read scans beside the images of a sequence
   /// Names of the options and parameters that the user has set, with dashes.
@@ -44,6 +47,9 @@ struct MapInputs {
 
   /** \brief The sensor of the clouds: \a sensor, or its default. */
   std::string cloudSensor() const;
+
+  /** \brief Whether the images have labels, or a network. */
+  bool hasImageLabels() const;
 
   /** \brief Whether the frames are from a camera. */
   bool hasCamera() const;

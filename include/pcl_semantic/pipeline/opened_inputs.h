@@ -43,7 +43,8 @@ struct OpenedInputs {
   LabelSet label_set;
   std::unique_ptr<LabelPredictor> predictor; ///< null: labels are part of the clouds
   bool labels_are_stored = true;             ///< false: from a network
-  bool has_odometry = false;                 ///< poses are estimated from the images
+  bool has_labels = true;    ///< false: the map has depth and colour alone
+  bool has_odometry = false; ///< poses are estimated from the images
   std::optional<LabelCalibration> label_calibration;
   std::string name;                       ///< for messages
   NamedValues values;                     ///< all that affects the map, for its archive
@@ -55,9 +56,11 @@ struct OpenedInputs {
 
 /** \brief Opens the poses of a stereo source, or of clouds in camera 0.
  * \param[in] trajectory path; empty = odometry
+ * \param[in] pose_gap see StoredPoses [s]
  * \param[in,out] opened its source must be open
  * \throws BadInputException as readPoses() */
-void openPoses(const std::string& trajectory, OpenedInputs& opened);
+void openPoses(const std::string& trajectory, OpenedInputs& opened,
+               double pose_gap = StoredPoses::default_gap);
 
 /** \brief Opens the inputs of a map.
  * \param[in] config only network_every and label_confidence are used
