@@ -68,21 +68,43 @@ drawText(cv::Mat& picture, const std::string& text, cv::Point at,
     }
 }
 
-cv::Mat
-withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
-           const DrawingTheme& theme)
+namespace {
+
+constexpr int row_height = 24, swatch = 14, gap = 8; // of a legend [px]
+
+std::vector<cv::Point>
+placeEntries(const std::vector<LegendEntry>& entries, int width)
 {
-  constexpr int row_height = 24, swatch = 14, gap = 8;
   std::vector<cv::Point> positions;
   cv::Point at(gap, gap);
   for (const LegendEntry& entry : entries) {
     const int advance = swatch + textWidth(entry.text) + 3 * gap;
-    if (at.x > gap && at.x + advance > picture.cols)
+    if (at.x > gap && at.x + advance > width)
       at = {gap, at.y + row_height};
     positions.push_back(at);
     at.x += advance;
   }
-  cv::Mat legend(at.y + row_height, picture.cols, CV_8UC3, theme.background);
+  return positions;
+}
+
+} // namespace
+
+int
+rowsOfLegend(const std::vector<LegendEntry>& entries, int width)
+{
+  const std::vector<cv::Point> positions = placeEntries(entries, width);
+  return positions.empty() ? 0 : (positions.back().y - gap) / row_height + 1;
+}
+
+cv::Mat
+withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
+           const DrawingTheme& theme, int least_rows)
+{
+  const std::vector<cv::Point> positions = placeEntries(entries, picture.cols);
+  const int rows = std::max(least_rows, rowsOfLegend(entries, picture.cols));
+  if (rows == 0)
+    return picture;
+  cv::Mat legend(gap + rows * row_height, picture.cols, CV_8UC3, theme.background);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     cv::rectangle(legend, cv::Rect(positions[i].x, positions[i].y, swatch, swatch),
                   cv::Scalar(entries[i].colour), cv::FILLED);
@@ -95,12 +117,13 @@ withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
 }
 
 std::vector<LegendEntry>
-legendOf(const LabelSet& label_set)
+legendOf(const LabelSet& label_set, const std::vector<bool>& is_shown)
 {
   std::vector<LegendEntry> entries;
   for (int label = 1; label <= label_set.size(); ++label)
-    entries.push_back(
-        {label_set[Label(label)].name, classColour(label_set, Label(label))});
+    if (is_shown[std::size_t(label)])
+      entries.push_back(
+          {label_set[Label(label)].name, classColour(label_set, Label(label))});
   return entries;
 }
 

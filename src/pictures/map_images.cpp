@@ -58,9 +58,12 @@ struct TopViewGrid {
   }
 };
 
+using Shown = std::vector<bool>; // by label
+
+// The highest labelled voxels, or those without a class in their own colours.
 void
 drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
-            const LabelSet& label_set)
+            const LabelSet& label_set, bool is_labelled)
 {
   cv::Mat highest(picture.size(), CV_32SC1,
                   cv::Scalar(std::numeric_limits<int>::min()));
@@ -72,12 +75,16 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
                            (grid.high.x() - index.x()) / grid.step * grid.scale);
     const cv::Rect square = cv::Rect(corner.x, corner.y, grid.scale, grid.scale) &
                             cv::Rect(cv::Point(), picture.size());
-    if (label == kUnlabelled || square.empty() ||
+    if ((is_labelled && label == kUnlabelled) || square.empty() ||
         highest.at<int>(square.tl()) >= index.z())
       continue;
     highest(square) = index.z();
+    const pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
     const float shade = 0.75f + 0.5f * float(index.z() - grid.low.z()) / height;
-    picture(square) = cv::Scalar(classColour(label_set, label)) * shade;
+    if (is_labelled)
+      picture(square) = cv::Scalar(classColour(label_set, label)) * shade;
+    else
+      picture(square) = cv::Scalar(point.b, point.g, point.r);
   }
 }
 
@@ -112,7 +119,14 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
   cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
   cv::addWeighted(picture, 0.45, colours, 0.65, 0.0, blended);
   blended.copyTo(picture, labels != kUnlabelled);
-  return withLegend(picture, legendOf(label_set), dark_theme);
+  Shown shown(256, false);
+  for (const Label label : cv::Mat1b(labels))
+    shown[label] = true;
+  // As high as for all classes, but for large label sets: images for a video.
+  constexpr int most_rows = 3;
+  const int rows = rowsOfLegend(legendOf(label_set, Shown(256, true)), picture.cols);
+  return withLegend(picture, legendOf(label_set, shown), dark_theme,
+                    std::min(rows, most_rows));
 }
 
 cv::Mat
@@ -124,10 +138,14 @@ drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
     path_in_voxels.push_back(position.head<2>() / voxels.voxel_size);
   const TopViewGrid grid(voxels.indices, path_in_voxels);
   cv::Mat picture(grid.size(), CV_8UC3, dark_theme.background);
-  drawColumns(picture, grid, voxels, label_set);
+  Shown shown(256, false);
+  for (const pcl::PointXYZRGBL& point : *voxels.cloud)
+    shown[requireLabel(point.label)] = true;
+  const std::vector<LegendEntry> legend = legendOf(label_set, shown);
+  drawColumns(picture, grid, voxels, label_set, !legend.empty());
   drawPath(picture, grid, path_in_voxels);
   drawScale(picture, grid.scale / (voxels.voxel_size * grid.step), dark_theme);
-  return withLegend(picture, legendOf(label_set), dark_theme);
+  return withLegend(picture, legend, dark_theme);
 }
 
 } // namespace pcl_semantic

@@ -121,7 +121,8 @@ TEST(BadInput, Trajectories)
            {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n", "a.txt line 1: the left 3 x 3 block"},
            {"0 0 0 0 0 0 0 1\n0.3 0 0 0 0 0 0 1\n",
             "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1, nor two "
-            "around it within 0.2 s; its times are from 0 to 0.3 s; 2 of 3 frames lack one"},
+            "around it within 0.2 s; its times are from 0 to 0.3 s; 2 of 3 frames lack "
+            "one"},
            {"1403636579763555584 0 0 0 0 0 0 1\n",
             "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
            {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",

@@ -117,6 +117,51 @@ TEST(MapImages, TheOverlayShowsTheImageWhereNothingIsLabelled)
                 1.0);
 }
 
+TEST(MapImages, TheLegendListsTheClassesInThePicture)
+{
+  std::vector<LabelClass> many;
+  for (int i = 0; i < 150; ++i)
+    many.push_back({"class " + std::to_string(i), {200, std::uint8_t(i), 0}});
+  const LabelSet label_set(many);
+  const cv::Mat image(200, 400, CV_8UC1, cv::Scalar(77));
+  cv::Mat labels = cv::Mat::zeros(image.size(), CV_8UC1);
+  const cv::Mat empty = drawOverlay(image, labels, label_set);
+  labels.colRange(0, 100) = 7;
+  labels.colRange(100, 200) = 150;
+  const cv::Mat overlay = drawOverlay(image, labels, label_set);
+  EXPECT_EQ(empty.size(), overlay.size());
+  EXPECT_LT(overlay.rows, 300);
+  const auto isInLegend = [&](Label label) {
+    const auto& colour = label_set[label].colour;
+    for (int v = 200; v < overlay.rows; ++v)
+      for (int u = 0; u < overlay.cols; ++u)
+        if (overlay.at<cv::Vec3b>(v, u) == cv::Vec3b(colour[2], colour[1], colour[0]))
+          return true;
+    return false;
+  };
+  EXPECT_TRUE(isInLegend(7));
+  EXPECT_TRUE(isInLegend(150));
+  EXPECT_FALSE(isInLegend(1));
+  EXPECT_FALSE(isInLegend(100));
+}
+
+TEST(MapImages, AMapWithoutClassesIsDrawnInItsColours)
+{
+  VoxelCloud voxels;
+  voxels.voxel_size = 0.1;
+  voxels.indices = {{0, 0, 0}, {60, 60, 0}};
+  voxels.cloud->resize(2);
+  for (pcl::PointXYZRGBL& point : *voxels.cloud) {
+    point.label = kUnlabelled;
+    point.r = 10;
+    point.g = 150;
+    point.b = 90;
+  }
+  const cv::Mat view = drawTopView(voxels, {}, twoClasses());
+  EXPECT_EQ(view.at<cv::Vec3b>(4, 4), cv::Vec3b(90, 150, 10));
+  EXPECT_EQ(view.rows, 61 * 8); // no legend
+}
+
 TEST(MapImages, TheTopViewShowsTheHighestClassInItsPlace)
 {
   // Two voxels above each other, and one ahead and to the left.

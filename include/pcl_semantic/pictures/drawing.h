@@ -37,12 +37,18 @@ int textWidth(const std::string& text, double size = 1.0);
 void drawText(cv::Mat& picture, const std::string& text, cv::Point at,
               const cv::Scalar& colour, double size = 1.0);
 
-/** \brief Adds a legend below an image, in as many rows as the width requires. */
+/** \brief Adds a legend below an image, in as many rows as the width requires.
+ * \param[in] least_rows height of the legend, if it needs fewer rows */
 cv::Mat withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
-                   const DrawingTheme& theme);
+                   const DrawingTheme& theme, int least_rows = 0);
 
-/** \brief One entry per class, in the order of the labels. */
-std::vector<LegendEntry> legendOf(const LabelSet& label_set);
+/** \brief One entry per class that is shown, in the order of the labels.
+ * \param[in] is_shown by label, 256 */
+std::vector<LegendEntry> legendOf(const LabelSet& label_set,
+                                  const std::vector<bool>& is_shown);
+
+/** \brief Rows of a legend. \param[in] width of the image [px] */
+int rowsOfLegend(const std::vector<LegendEntry>& entries, int width);
 
 /** \brief Draws a scale bar of 1, 2 or 5 times a power of ten metres in the lower left
  * corner. */
