@@ -45,6 +45,8 @@ PairWatch::~PairWatch()
 void
 PairWatch::look(const StereoFrame& frame, const std::string& name)
 {
+  if (row_checks_ > 0)
+    judgeRows(frame, name);
   const PairReport report = checkPair(frame.left, frame.right);
   if (report.fault == PairFault::none)
     return;
@@ -52,6 +54,23 @@ PairWatch::look(const StereoFrame& frame, const std::string& name)
     throw BadInputException(name + ": " + report.reason);
   if (++warned_[report.fault] == 1)
     warn(name + ": " + report.reason);
+}
+
+void
+PairWatch::judgeRows(const StereoFrame& frame, const std::string& name)
+{
+  const RowCheck rows = checkRows(frame.left, frame.right);
+  row_checks_ = rows.isSure() ? 0 : row_checks_ - 1;
+  if (!rows.isDoubtful())
+    return;
+  const std::string text =
+      name + ": a tenth of " + std::to_string(rows.matches) +
+      " corners differ by more than " + shown(rows.most) +
+      " rows between left and right: are the calibration and its lens model those of "
+      "these cameras?";
+  if (strict_)
+    throw BadInputException(text);
+  warn(text);
 }
 
 } // namespace pcl_semantic::tool

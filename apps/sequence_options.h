@@ -9,6 +9,7 @@
 #include <pcl_semantic/dataset/sequence_files.h>
 #include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/stereo/pair_check.h>
+#include <pcl_semantic/stereo/row_check.h>
 
 #include <map>
 #include <memory>
@@ -64,8 +65,11 @@ public:
   }
 
 private:
+  void judgeRows(const StereoFrame& frame, const std::string& name);
+
   bool strict_;
   std::map<PairFault, int> warned_; ///< number of pairs by fault
+  int row_checks_ = 3;              ///< left; none after a pair with enough corners
 };
 
 } // namespace pcl_semantic::tool

@@ -102,7 +102,9 @@ CalibrationSource::requireModel(const std::string& key, const Keys& known) const
   for (const std::string& name : known)
     if (!name.empty())
       names += (names.empty() ? "" : " or ") + inQuotes(name);
-  badInput(where(key), " is ", inQuotes(model), ", expected ", names, " (no fisheyes)");
+  badInput(where(key), " is ", inQuotes(model), ", expected ", names,
+           "; omnidirectional models are not supported, calibrate a fisheye as "
+           "'equidistant'");
 }
 
 double

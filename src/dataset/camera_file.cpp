@@ -115,8 +115,8 @@ readIntrinsics(const CalibrationSource& source, CameraFile& camera)
     badInput(source.where("sensor_type"), " is ", inQuotes(kind),
              ", expected a 'camera'");
   source.requireModel("camera_model", {"pinhole"});
-  source.requireModel("distortion_model",
-                      {"radtan", "radial-tangential", "plumb_bob", "none"});
+  camera.is_fisheye =
+      readsFisheye(source, {"radtan", "radial-tangential", "plumb_bob", "none"});
   const std::vector<double> values = source.numbers({"intrinsics"});
   if (values.size() != 4)
     badInput(source.where("intrinsics"), ": has ", values.size(),
@@ -138,11 +138,8 @@ readIntrinsics(const CalibrationSource& source, CameraFile& camera)
 void
 readMatrices(const CalibrationSource& source, CameraFile& camera)
 {
-  source.requireModel("distortion_model",
-                      {"plumb_bob", "rational_polynomial", "none", ""});
-  if (source.count("fisheye_model") != 0)
-    badInput(source.where("fisheye_model"),
-             " is not 0, expected a pinhole camera: fisheyes are not supported");
+  camera.is_fisheye =
+      readsFisheye(source, {"plumb_bob", "rational_polynomial", "none", ""});
   const std::string key = source.find(matrix_keys);
   camera.K = matrixOf(source.numbers({key}), source.where(key));
   const std::string projection = source.find(projection_keys);
@@ -220,9 +217,27 @@ doubtOtherCameras(const YamlMap& file, CameraFile& camera)
 } // namespace
 
 bool
+readsFisheye(const CalibrationSource& source,
+             const CalibrationSource::Keys& pinhole_models)
+{
+  std::string model;
+  source.map.get("distortion_model", model);
+  if (model == "equidistant" || model == "fisheye")
+    return true;
+  Keys models = pinhole_models;
+  models.push_back("equidistant");
+  source.requireModel("distortion_model", models);
+  const int is_fisheye = source.count("fisheye_model");
+  if (is_fisheye > 1)
+    badInput(source.where("fisheye_model"), " is ", is_fisheye, ", expected 0 or 1");
+  return is_fisheye == 1;
+}
+
+bool
 CameraFile::isDistorted() const
 {
-  return std::any_of(D.begin(), D.end(), [](double d) { return d != 0.0; });
+  return is_fisheye ||
+         std::any_of(D.begin(), D.end(), [](double d) { return d != 0.0; });
 }
 
 bool

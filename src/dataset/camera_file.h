@@ -24,11 +24,14 @@ struct CameraFile {
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity(); ///< of the original images
   std::vector<double> D;            ///< at least four numbers, in OpenCV's order
   std::string distortion;           ///< source of D, for messages
+  bool is_fisheye = false;          ///< D is k1 k2 k3 k4 of the equidistant model
   std::optional<RowMajor34> P;      ///< camera_info: of the rectified images
   std::optional<Eigen::Matrix3d> R; ///< camera_info: takes the camera to the pair
   std::optional<Eigen::Isometry3d> T_body_camera; ///< EuRoC
   Doubts doubts;
 
+  /** \brief Whether the images need a rectification; those of a fisheye do even with
+   * zero coefficients. */
   bool isDistorted() const;
 
   /** \brief Whether a camera_info describes rectified images: without distortion, P
@@ -57,6 +60,12 @@ MiddleburyFile readMiddlebury(const std::string& path);
 /** \brief Columns and rows in a file; zeros if missing.
  * \throws BadInputException if one is less than two, or two sizes differ */
 std::pair<int, int> readCameraSize(const CalibrationSource& source);
+
+/** \brief Whether a YAML file states the equidistant model of fisheye lenses (Kannala
+ * and Brandt): `distortion_model: equidistant` or `fisheye`, or `fisheye_model: 1`.
+ * \throws BadInputException that names the line of an unsupported model */
+bool readsFisheye(const CalibrationSource& source,
+                  const CalibrationSource::Keys& pinhole_models);
 
 /** \brief Whether a YAML file has one camera for readYamlCamera(). */
 bool isYamlCamera(const CalibrationSource& source);

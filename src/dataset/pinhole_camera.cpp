@@ -63,6 +63,10 @@ PinholeCamera
 readPinholeCamera(const std::string& path)
 {
   CameraFile file = readCameraFile(path);
+  if (file.is_fisheye)
+    badInput(path,
+             ": is a fisheye's ('equidistant'), expected the camera of undistorted "
+             "images; cv::fisheye::undistortImage() makes them");
   if (file.isDistorted())
     badInput(file.distortion,
              ": the images have to be undistorted, with coefficients of 0 (and P as "

@@ -35,9 +35,14 @@ struct Rectification {
     cv::eigen2cv(rig.K2, K2);
     cv::eigen2cv(rig.R, R);
     cv::eigen2cv(rig.T, T);
+    const cv::Size size(rig.width, rig.height);
     cv::Mat Q;
-    cv::stereoRectify(K1, D1, K2, D2, {rig.width, rig.height}, R, T, R1, R2, P1, P2, Q,
-                      cv::CALIB_ZERO_DISPARITY, 0.0);
+    if (rig.is_fisheye)
+      cv::fisheye::stereoRectify(K1, D1, K2, D2, size, R, T, R1, R2, P1, P2, Q,
+                                 cv::CALIB_ZERO_DISPARITY);
+    else
+      cv::stereoRectify(K1, D1, K2, D2, size, R, T, R1, R2, P1, P2, Q,
+                        cv::CALIB_ZERO_DISPARITY, 0.0);
   }
 };
 
@@ -47,7 +52,7 @@ isRectified(const StereoRig& rig)
   const auto isZero = [](const std::vector<double>& D) {
     return std::all_of(D.begin(), D.end(), [](double d) { return d == 0.0; });
   };
-  return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
+  return !rig.is_fisheye && isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
          rig.R.isIdentity(1e-9) && rig.T.y() == 0.0 && rig.T.z() == 0.0;
 }
 
@@ -108,10 +113,17 @@ Rectifier::Rectifier(const StereoRig& rig)
     cv::cv2eigen(result.R1, R1);
     T_left_rectified_.linear() = R1.transpose();
     const cv::Size size(rig.width, rig.height);
-    cv::initUndistortRectifyMap(result.K1, result.D1, result.R1, result.P1, size,
-                                CV_16SC2, maps_[0].whole, maps_[0].fraction);
-    cv::initUndistortRectifyMap(result.K2, result.D2, result.R2, result.P2, size,
-                                CV_16SC2, maps_[1].whole, maps_[1].fraction);
+    const auto initMaps = [&](const cv::Mat& K, const cv::Mat& D, const cv::Mat& R,
+                              const cv::Mat& P, Maps& maps) {
+      if (rig.is_fisheye)
+        cv::fisheye::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.whole,
+                                             maps.fraction);
+      else
+        cv::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.whole,
+                                    maps.fraction);
+    };
+    initMaps(result.K1, result.D1, result.R1, result.P1, maps_[0]);
+    initMaps(result.K2, result.D2, result.R2, result.P2, maps_[1]);
     requireUsable(maps_[0].whole, "left");
     requireUsable(maps_[1].whole, "right");
   }

@@ -47,6 +47,9 @@ validateCamera(const Eigen::Matrix3d& K, const std::vector<double>& D,
                   ") is outside the images of ", rig.width, " x ", rig.height,
                   " pixels");
   const std::size_t n = D.size();
+  if (rig.is_fisheye && n != 4)
+    fail<Invalid>("D", number, ": has ", n,
+                  " numbers, expected the 4 of an equidistant fisheye");
   if (n != 4 && n != 5 && n != 8 && n != 12 && n != 14)
     fail<Invalid>("D", number, ": has ", n, " numbers, expected 4, 5, 8, 12 or 14");
   if (!std::all_of(D.begin(), D.end(), [](double d) { return std::isfinite(d); }))
@@ -96,6 +99,10 @@ rigOf(const CameraFile& left, const CameraFile& right)
            (right.width != left.width || right.height != left.height))
     badInput(right.path, ": the right images have ", right.size, " pixels, but ",
              left.path, " says ", left.size);
+  if (left.is_fisheye != right.is_fisheye)
+    badInput(right.path, ": one camera is a fisheye ('equidistant') and the other is "
+                         "not, expected two of one kind");
+  rig.is_fisheye = left.is_fisheye;
   rig.K1 = left.K;
   rig.K2 = right.K;
   rig.D1 = left.D;
@@ -117,6 +124,8 @@ readOpenCvRig(const CalibrationSource& source, const CalibrationSource& extrinsi
 {
   StereoRig rig;
   std::tie(rig.width, rig.height) = readCameraSize(source);
+  rig.is_fisheye =
+      readsFisheye(source, {"plumb_bob", "rational_polynomial", "radtan", "none", ""});
   rig.K1 = source.square({"K1", "M1", "cameraMatrix1", "camera_matrix_1"});
   rig.D1 = source.numbers({"D1", "distCoeffs1", "dist_coeffs_1"});
   rig.K2 = source.square({"K2", "M2", "cameraMatrix2", "camera_matrix_2"});

@@ -122,7 +122,7 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
   Shown shown(256, false);
   for (const Label label : cv::Mat1b(labels))
     shown[label] = true;
-  // As high as for all classes, but for large label sets: images for a video.
+  // The height of a legend of all classes, up to three rows: images for a video.
   constexpr int most_rows = 3;
   const int rows = rowsOfLegend(legendOf(label_set, Shown(256, true)), picture.cols);
   return withLegend(picture, legendOf(label_set, shown), dark_theme,

@@ -11,6 +11,9 @@
 #include <opencv2/core.hpp>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 namespace pcl_semantic {
 
@@ -181,6 +184,28 @@ TEST(StereoTool, BadPairs)
           writePng(street + "/image_3/000001.png",
                    cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(3)));
         }}});
+}
+
+TEST(StereoTool, RectifiesFisheyesAndDoubtsAWrongLens)
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data)
+    GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set";
+  const TemporaryFolder folder;
+  const std::string fisheye = std::string(data) + "/fisheye/";
+  std::ifstream file(fisheye + "camchain.yaml");
+  const std::string camchain(std::istreambuf_iterator<char>(file), {});
+  const auto run = [&](const std::string& model) {
+    const std::string rig =
+        folder.write("rig.yaml", replaceAll(camchain, "equidistant", model));
+    return succeed("stereo " + fisheye + "left_fisheye_img_0.png " + fisheye +
+                   "right_fisheye_img_0.png " + rig + " " + folder.path("out.pcd"));
+  };
+  const std::string good = run("equidistant");
+  EXPECT_FALSE(holds(good, "warning"));
+  const std::string key = "valid_fraction: ";
+  EXPECT_GT(std::stod(good.substr(good.find(key) + key.size())), 0.75);
+  EXPECT_TRUE(holds(run("radtan"), "rows between left and right: are the calibration"));
 }
 
 } // namespace pcl_semantic

@@ -145,8 +145,14 @@ TEST(CameraFile, RefusesWhatItCannotUse)
            {"c.yaml", size + K + "D: [0.1, 0, 0, 0]\n",
             "c.yaml line 4: D: the images have to be undistorted"},
            {"c.yaml", K + no_distortion + "distortion_model: equidistant\n",
-            "distortion_model is 'equidistant', expected 'plumb_bob'"},
-           {"c.yaml", K + no_distortion + "fisheye_model: 1\n", "fisheyes"},
+            "c.yaml: is a fisheye's ('equidistant'), expected the camera of "
+            "undistorted"},
+           {"c.yaml", K + no_distortion + "distortion_model: ds\n",
+            "distortion_model is 'ds', expected 'plumb_bob' or 'rational_polynomial' "
+            "or "
+            "'none' or 'equidistant'; omnidirectional models are not supported"},
+           {"c.yaml", K + no_distortion + "fisheye_model: 1\n", "is a fisheye's"},
+           {"c.yaml", K + no_distortion + "fisheye_model: 2\n", "expected 0 or 1"},
            {"c.yaml", "cam0:\n  camera_model: omni\n  intrinsics: [1, 1, 1, 1, 1]\n",
             "camera_model is 'omni', expected 'pinhole'"},
            {"c.yaml", "sensor_type: imu\nintrinsics: [1, 1, 1, 1]\n",

@@ -45,13 +45,16 @@ sample(const cv::Mat2f& image, const Eigen::Vector2d& at)
 // What OpenCV's model of a camera says: the pixel of a point in the camera's frame.
 Eigen::Vector2d
 project(const Eigen::Vector3d& point, const Eigen::Matrix3d& K,
-        const std::vector<double>& D)
+        const std::vector<double>& D, bool is_fisheye)
 {
   cv::Mat matrix;
   cv::eigen2cv(K, matrix);
   std::vector<cv::Point2d> pixels;
-  cv::projectPoints(std::vector<cv::Point3d>{{point.x(), point.y(), point.z()}},
-                    cv::Vec3d(), cv::Vec3d(), matrix, D, pixels);
+  const std::vector<cv::Point3d> points = {{point.x(), point.y(), point.z()}};
+  if (is_fisheye)
+    cv::fisheye::projectPoints(points, pixels, cv::Vec3d(), cv::Vec3d(), matrix, D);
+  else
+    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), matrix, D, pixels);
   return {pixels[0].x, pixels[0].y};
 }
 
@@ -87,8 +90,8 @@ expectPointsMeet(const StereoRig& rig)
     const Eigen::Vector3d in_left = rectifier.T_left_rectified() * point;
     const Eigen::Vector3d in_right = rig.R * in_left + rig.T;
     const Eigen::Vector2d partner = pixel - Eigen::Vector2d(disparity, 0.0);
-    const Eigen::Vector2d own_left = project(in_left, rig.K1, rig.D1);
-    const Eigen::Vector2d own_right = project(in_right, rig.K2, rig.D2);
+    const Eigen::Vector2d own_left = project(in_left, rig.K1, rig.D1, rig.is_fisheye);
+    const Eigen::Vector2d own_right = project(in_right, rig.K2, rig.D2, rig.is_fisheye);
     if (!isInside(own_left, rig) || !isInside(own_right, rig))
       continue; // black comes from there
     ++seen;
@@ -113,6 +116,20 @@ TEST(Rectifier, PointsMeetInOneRowAtTheirDisparity)
   rig.D1[12] = 0.02; // a tilted sensor
   rig.D2 = {-0.2, 0.05, 0, 0, 0, 0, 0, 0, 0.002, -0.001, 0.001, 0.0005};
   expectPointsMeet(rig);
+}
+
+TEST(Rectifier, FisheyesMeetInOneRow)
+{
+  StereoRig rig = exampleRig();
+  rig.is_fisheye = true;
+  rig.D1 = {-0.02, -0.007, 0.002, -0.001};
+  rig.D2 = {-0.0197, -0.005, -0.0014, 0.0004};
+  expectPointsMeet(rig);
+  rig.D1.assign(4, 0.0); // equidistant without coefficients is no pinhole
+  rig.D2.assign(4, 0.0);
+  expectPointsMeet(rig);
+  rig.D1.push_back(0.0);
+  EXPECT_THROW(Rectifier{rig}, InvalidParameterException);
 }
 
 TEST(Rectifier, TheBaselineLiesAlongTheRows)

@@ -74,6 +74,25 @@ TEST(StereoRig, ReadsWhatOpenCvWrites)
   }
 }
 
+TEST(StereoRig, OpenCvsFileNamesItsFisheyes)
+{
+  const TemporaryFolder folder;
+  const std::string four =
+      intrinsics.substr(0, intrinsics.rfind(", 0.001")) + "]\n" + extrinsics;
+  const auto read = [&](const std::string& line) {
+    return readStereoRig(folder.write("rig.yaml", four + line)).is_fisheye;
+  };
+  EXPECT_FALSE(read(""));
+  EXPECT_FALSE(read("fisheye_model: 0\n"));
+  EXPECT_TRUE(read("fisheye_model: 1\n"));
+  EXPECT_TRUE(read("distortion_model: equidistant\n"));
+  expectBadInput("distortion_model is 'ds'", [&] { read("distortion_model: ds\n"); });
+  expectBadInput("D2: has 5 numbers, expected the 4 of an equidistant fisheye", [&] {
+    readStereoRig(folder.write("rig.yaml", intrinsics + extrinsics +
+                                               "distortion_model: equidistant\n"));
+  });
+}
+
 TEST(StereoRig, ReadsTheTwoFilesOfOpenCvsSample)
 {
   const TemporaryFolder folder;
@@ -276,10 +295,13 @@ TEST(StereoRig, ReadsKalibrsCamchain)
   const TemporaryFolder folder;
   const StereoRig rig = rigOfFourCoefficients();
   expectSameRig(readStereoRig(folder.write("camchain.yaml", camchain(rig))), rig);
+  const StereoRig fisheyes =
+      readStereoRig(folder.write("fisheyes.yaml", camchain(rig, "equidistant")));
+  expectSameRig(fisheyes, rig);
+  EXPECT_TRUE(fisheyes.is_fisheye);
   const std::string text = camchain(rig);
   for (const auto& [says, bad] : std::vector<std::pair<std::string, std::string>>{
-           {"distortion_model is 'equidistant', expected 'radtan'",
-            camchain(rig, "equidistant")},
+           {"distortion_model is 'fov', expected 'radtan'", camchain(rig, "fov")},
            {"has one camera, expected cam0 and cam1",
             text.substr(0, text.find("cam1:"))},
            {"T_cn_cnm1: is no 4 x 4 matrix", text.substr(0, text.rfind("  - "))},
@@ -306,7 +328,7 @@ TEST(StereoRig, ReadsTheCameraInfosOfRos)
             "left.yaml: is the camera_info of one camera; give that of the right one"},
            {right, left, "are left and right swapped?"},
            {left, left, "the baseline is 0 m"},
-           {fisheye, right, "distortion_model is 'equidistant'"}})
+           {fisheye, right, "one camera is a fisheye"}})
     expectBadInput(says,
                    [&, &one = first, &other = second] { readStereoRig(one, other); });
 }

@@ -25,9 +25,10 @@ enum class StereoSide { left = 0, right = 1 };
  * with corresponding pixels in the same row.
  *
  * Both cameras are rotated as little as possible (Bouguet's method, `cv::stereoRectify`
- * with CALIB_ZERO_DISPARITY). They get the same focal length and principal point,
- * chosen with alpha = 0: except for single border pixels, no pixel comes from outside
- * an image, and regions seen by only one camera or in a corner are cropped. */
+ * or, for fisheyes, `cv::fisheye::stereoRectify`, with CALIB_ZERO_DISPARITY). They get
+ * the same focal length and principal point, chosen with alpha = 0: except for single
+ * border pixels, no pixel comes from outside an image, and regions seen by only one
+ * camera or in a corner are cropped. */
 class Rectifier {
 public:
   /** \param[in] rig cameras with the size of their images
