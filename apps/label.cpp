@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "files/file_pattern.h"
 #include "image_tool.h"
 #include "messages.h"
 #include "network_trial.h"
@@ -12,12 +13,14 @@
 #include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/dataset/cloud_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/labelling/carried_labels.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
@@ -43,12 +46,13 @@ const Usage usage{
     "pcl_semantic_label",
     R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
   --network FILE.yaml --output DIR [options]
+or (--images 'I*.png' | --rgbd DIR) --network FILE.yaml --output DIR [options]
 or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))
   --output (DIR | OUT.pcd) [options]
 or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml
   --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options])",
-    R"(Runs a segmentation network on the left images and stores the label distributions of
-their pixels for pcl_semantic_map --labels. With --clouds it labels clouds instead:
+    R"(Runs a segmentation network on the left images, or those of one camera, and stores the
+label distributions of their pixels for pcl_semantic_map --labels. With --clouds it labels clouds instead:
 organized clouds by their pixels, clouds of a laser scanner by the camera images that
 show their points.)",
     R"(pcl_semantic_synthesize /tmp/street && \
@@ -57,6 +61,7 @@ show their points.)",
   pcl_semantic_label --clouds /tmp/street_clouds --labels /tmp/street/labels \
     --output /tmp/street_labelled)",
     {{"clouds GLOB", "clouds to label, instead of images"},
+     {"images GLOB", "images of one camera; --rgbd DIR: of an RGB-D sequence"},
      {"network FILE", "network description (.yaml)"},
      {"model FILE", "network (.onnx; default: the file that its description names)"},
      {"labels DIR", "label images or distributions instead of a network"},
@@ -68,6 +73,8 @@ show their points.)",
 
 struct Arguments {
   SequenceFiles sequence;
+  std::string images;      ///< of one camera, instead of the sequence
+  RgbdFiles rgbd;          ///< its folder, instead of the sequence
   std::string clouds;      ///< to label: organized, or visible in the sequence's images
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
   double max_depth = 0.0;  ///< of points labelled by images [m]; 0 = unlimited
@@ -86,17 +93,30 @@ struct Arguments {
     return !clouds.empty() &&
            (!sequence.folder.empty() || !sequence.files.left.empty());
   }
+
+  /** \brief Whether single images are labelled, not the left ones of pairs. */
+  bool
+  hasSingleImages() const
+  {
+    return !images.empty() || !rgbd.folder.empty();
+  }
 };
 
 void
 requireSequenceAndNetwork(const Arguments& arguments)
 {
-  asUsage([&] { arguments.sequence.validate(); });
+  if (arguments.hasSingleImages())
+    refuseIf(!arguments.sequence.folder.empty() ||
+                 (!arguments.images.empty() && !arguments.rgbd.folder.empty()),
+             "--images, --rgbd and a SEQUENCE exclude each other");
+  else
+    asUsage([&] { arguments.sequence.validate(); });
   refuseIf(arguments.output.empty(), "--output is missing");
   refuseIf(arguments.network.empty(), "--network is missing");
-  refuseIf(arguments.format != "float32" && arguments.format != "float16" &&
-               arguments.format != "ids",
-           "--format is '" + arguments.format + "', expected float32, float16 or ids");
+  const std::string& format = arguments.format;
+  refuseIf(format != "float32" && format != "float16" && format != "packed" &&
+               format != "ids",
+           "--format is '" + format + "', expected float32, float16, packed or ids");
 }
 
 void
@@ -127,7 +147,11 @@ std::vector<UnreadOptions>
 unreadOptions(const Arguments& arguments)
 {
   const bool clouds = !arguments.clouds.empty(), carries = arguments.carries();
-  return {{!clouds,
+  return {{arguments.hasSingleImages(),
+           "with --images or --rgbd",
+           {"left", "right", "calibration", "extrinsics", "strict", "clouds"}},
+          {arguments.rgbd.folder.empty(), "without --rgbd", {"depth-within"}},
+          {!clouds,
            "without --clouds",
            {"labels", "label-set", "label-mapping", "scan-columns", "sensor-pose",
             "max-depth", "occlusion-window"}},
@@ -156,6 +180,18 @@ parse(int argc, char** argv)
             "clouds to label, one per frame: a .pcd, a folder or a pattern in quotes; "
             "organized clouds of pcl_semantic_stereo or, with SEQUENCE or --left, "
             "clouds of a laser scanner"},
+           {"images", arguments.images,
+            "images of one camera to label: folder or pattern in quotes; files are "
+            "named "
+            "by their numbers, or counted from 0 if they have none"},
+           {"rgbd", arguments.rgbd.folder,
+            "RGB-D sequence whose colour images are labelled: TUM's layout, or a "
+            "folder "
+            "with rgb/ and depth/"},
+           {"depth-within", withDefault(arguments.rgbd.depth_within),
+            "maximum difference between the times of a colour image and its depth "
+            "image "
+            "in TUM's layout [s]; as for pcl_semantic_map"},
            {"sensor-pose", arguments.sensor_pose,
             "pose of the scanner in the camera frame (x right, y down, z forward): a "
             "file with one line, the upper 3 x 4 of its matrix (default: Tr in "
@@ -176,8 +212,9 @@ parse(int argc, char** argv)
            {"frames", arguments.frames,
             "A:B = frames with numbers A <= n < B; default: all"},
            {"format", withDefault(arguments.format),
-            "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
-            "(.png, most probable class)"},
+            "output format of images: float32, float16 (.npy, half the size), packed "
+            "(.npy.zst, rounded to 1/255 and compressed) or ids (.png, most probable "
+            "class)"},
            {"max-depth", withDefault(arguments.max_depth),
             "maximum depth of a point that gets a label of an image [m]; 0 = "
             "unlimited"},
@@ -191,7 +228,7 @@ parse(int argc, char** argv)
       {"sequence"});
   refuseUnread(values, unreadOptions(arguments));
   asUsage([&] { requireEngine(arguments.engine, arguments.network); });
-  if (arguments.clouds.empty())
+  if (arguments.clouds.empty() || arguments.hasSingleImages())
     requireSequenceAndNetwork(arguments);
   else
     requireClouds(arguments);
@@ -468,8 +505,10 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
 {
   std::error_code error;
   const ImagePairFiles& files = options.sequence.files;
-  std::vector<fs::path> images = {fs::path(files.left).parent_path(),
-                                  fs::path(files.right).parent_path()};
+  std::vector<fs::path> images = {
+      fs::path(files.left).parent_path(),     fs::path(files.right).parent_path(),
+      fs::path(options.images).parent_path(), options.images,
+      fs::path(options.rgbd.folder) / "rgb",  fs::path(options.rgbd.folder) / "depth"};
   for (const char* name : {"image_0", "image_1", "image_2", "image_3"})
     images.push_back(fs::path(options.sequence.folder) / name);
   for (const fs::path& folder : images)
@@ -478,8 +517,9 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
                  ": holds images, expected a folder without images");
   if (!fs::is_directory(options.output, error))
     return;
-  for (const FrameFile& file : listFrameFiles(options.output, {".bin", ".npy", ".png"}))
-    refuseIf(fs::path(file.path).extension() != extension,
+  for (const FrameFile& file :
+       listFrameFiles(options.output, {".bin", ".npy", ".npy.zst", ".png"}))
+    refuseIf(fs::path(file.path).extension() != fs::path(extension).extension(),
              "--output holds " + file.path + ", where only " + extension +
                  " files would be written");
 }
@@ -491,16 +531,71 @@ writeLabels(const Arguments& options, int frame, int width,
   const std::string path = options.output + "/";
   if (options.format == "ids")
     writeLabelIds(path + frameFileName(frame, ".png"), distributions, width);
+  else if (options.format == "packed")
+    writeDistributions(path + frameFileName(frame, ".npy.zst"), distributions, width,
+                       NpyType::uint8);
   else
     writeDistributions(path + frameFileName(frame, ".npy"), distributions, width,
                        options.format == "float16" ? NpyType::float16
                                                    : NpyType::float32);
 }
 
+std::string
+extensionOf(const std::string& format)
+{
+  return format == "ids" ? ".png" : format == "packed" ? ".npy.zst" : ".npy";
+}
+
+// Paths of single images by frame number.
+std::map<int, std::string>
+singleImages(const Arguments& options)
+{
+  std::vector<std::string> paths;
+  std::vector<int> numbers;
+  if (options.images.empty())
+    paths = RgbdSequence::colourImages(options.rgbd.folder, options.rgbd.depth_within);
+  else {
+    paths = findFiles(options.images, imageExtensions());
+    numbers = frameNumbersOf(paths);
+  }
+  const FrameRange range = parseFrameRange(options.frames);
+  std::map<int, std::string> images;
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    if (const int frame = numbers.empty() ? int(i) : numbers[i]; range.contains(frame))
+      images[frame] = paths[i];
+  if (images.empty())
+    fail<BadInputException>(options.images.empty() ? options.rgbd.folder
+                                                   : options.images,
+                            ": has no frame in ", options.frames);
+  return images;
+}
+
+int
+labelImages(const Arguments& options)
+{
+  refuseOtherFiles(options, extensionOf(options.format));
+  setNumberOfThreads(options.threads);
+  const std::map<int, std::string> images = singleImages(options);
+  const OpenedNetwork network =
+      openTriedNetwork(options.network, options.model, options.engine);
+  makeOutputFolder(options.output);
+  auto next = images.begin();
+  forEachStep("labelling", images.size(), [&](std::size_t) {
+    const auto& [frame, path] = *next++;
+    const cv::Mat image = readImage(path);
+    writeLabels(options, frame, image.cols, network.predictor->predict(image, frame));
+  });
+  printResults({{"frames", images.size()},
+                {"classes", std::size_t(network.label_set.size())},
+                {"label_set", network.label_set_path},
+                {"labels", options.output}});
+  return exit_done;
+}
+
 int
 labelSequence(const Arguments& options)
 {
-  refuseOtherFiles(options, options.format == "ids" ? ".png" : ".npy");
+  refuseOtherFiles(options, extensionOf(options.format));
   setNumberOfThreads(options.threads);
   const auto sequence = openSequenceOf(options.sequence);
   const auto frames = chooseFrames(options.sequence.name(), *sequence, options.frames);
@@ -532,6 +627,8 @@ main(int argc, char** argv)
     return *trial;
   return runWithImages(usage.name, [&] {
     const Arguments arguments = parse(argc, argv);
+    if (arguments.hasSingleImages())
+      return labelImages(arguments);
     return arguments.clouds.empty() ? labelSequence(arguments) : labelClouds(arguments);
   });
 }

@@ -133,9 +133,19 @@ RgbdSequence::RgbdSequence(const RgbdFiles& files, const std::string& calibratio
 
 RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camera,
                            double depth_scale, double depth_within)
-    : folder_(folder), doubts_(camera.doubts), depth_scale_(depth_scale)
+    : RgbdSequence(folder, depth_scale, depth_within)
 {
   camera.validate();
+  doubts_.insert(doubts_.begin(), camera.doubts.begin(), camera.doubts.end());
+  const std::string& first = frames_.front().colour;
+  const cv::Mat image = readImage(first);
+  camera_ = camera.ofImage(image.cols, image.rows, first);
+}
+
+RgbdSequence::RgbdSequence(const std::string& folder, double depth_scale,
+                           double depth_within)
+    : folder_(folder), depth_scale_(depth_scale)
+{
   requireScale(depth_scale);
   if (!(depth_within >= 0.0 && std::isfinite(depth_within)))
     badParameter("depth_within is ", depth_within, " s, expected 0 or more");
@@ -146,9 +156,16 @@ RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camer
     findFolders(folder);
   if (depth_scale_ == 0.0)
     depth_scale_ = is_tum ? 5000.0 : 1000.0;
-  const std::string& first = frames_.front().colour;
-  const cv::Mat image = readImage(first);
-  camera_ = camera.ofImage(image.cols, image.rows, first);
+}
+
+std::vector<std::string>
+RgbdSequence::colourImages(const std::string& folder, double depth_within)
+{
+  const RgbdSequence sequence(folder, 0.0, depth_within);
+  std::vector<std::string> paths;
+  for (const Files& files : sequence.frames_)
+    paths.push_back(files.colour);
+  return paths;
 }
 
 void

@@ -127,10 +127,12 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
   std::vector<FrameFile> files;
   for (const fs::directory_entry& entry : entries) {
     const fs::path& path = entry.path();
-    const std::string stem = path.stem().string();
-    if (stem.find_first_not_of("0123456789") != std::string::npos ||
-        !std::count(extensions.begin(), extensions.end(), path.extension()))
+    const std::string name = path.filename().string();
+    const std::size_t digits = name.find_first_not_of("0123456789");
+    if (digits == 0 || digits == std::string::npos ||
+        !std::count(extensions.begin(), extensions.end(), name.substr(digits)))
       continue;
+    const std::string stem = name.substr(0, digits);
     int frame = 0;
     if (!parseWhole(stem, frame) || frame > kMaxFrameNumber)
       badInput(path.string(), ": is no frame number, expected 0 to ", kMaxFrameNumber);

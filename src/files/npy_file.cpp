@@ -8,8 +8,13 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <new>
 #include <regex>
+
+#include <zstd.h>
 
 namespace pcl_semantic {
 
@@ -59,21 +64,70 @@ headerText(const std::string& type, const std::string& shape)
   return std::string("\x93NUMPY\x01\x00\x76\x00", before) + text + '\n';
 }
 
+std::size_t
+bytesOf(NpyType type)
+{
+  return type == NpyType::float32 ? 4 : type == NpyType::float16 ? 2 : 1;
+}
+
+bool
+isCompressed(const std::string& path)
+{
+  return std::filesystem::path(path).extension() == ".zst";
+}
+
+// \param[in] most values of the array
+std::vector<std::uint8_t>
+unpacked(const std::string& path, const std::vector<std::uint8_t>& frame,
+         std::size_t most)
+{
+  constexpr std::size_t longest_header = 2048;
+  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
+    badInput(path, ": is no file of zstd that states its size");
+  if (size > most * sizeof(float) + longest_header)
+    badInput(path, ": holds ", size, " bytes, expected at most ",
+             most * sizeof(float) + longest_header);
+  std::vector<std::uint8_t> bytes(size);
+  const std::size_t got =
+      ZSTD_decompress(bytes.data(), bytes.size(), frame.data(), frame.size());
+  if (ZSTD_isError(got) || got != bytes.size())
+    badInput(path, ": is damaged: ",
+             ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is too short");
+  return bytes;
+}
+
+std::string
+packed(const std::string& bytes)
+{
+  constexpr int level = 3;
+  std::string frame(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(frame.data(), frame.size(), bytes.data(), bytes.size(), level);
+  if (ZSTD_isError(size)) // the frame is large enough, so this is a lack of memory
+    throw std::bad_alloc();
+  frame.resize(size);
+  return frame;
+}
+
 } // namespace
 
 NpyArray
-readNpy(const std::string& path)
+readNpy(const std::string& path, std::size_t most)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const std::vector<std::uint8_t> bytes =
+      isCompressed(path) ? unpacked(path, readBytes(path), most) : readBytes(path);
   const Header header = readHeader(path, bytes);
 
   std::smatch match;
   if (!std::regex_search(header.text, match,
                          std::regex("'descr'\\s*:\\s*'([^'\\n]*)'")) ||
-      (match[1] != "<f4" && match[1] != "<f2"))
+      (match[1] != "<f4" && match[1] != "<f2" && match[1] != "|u1"))
     badInput(path, ": has type '", match[1],
-             "', expected '<f4' or '<f2' (float32, float16)");
-  const bool half = match[1] == "<f2";
+             "', expected '<f4', '<f2' or '|u1' (float32, float16, uint8)");
+  const NpyType type = match[1] == "<f4"   ? NpyType::float32
+                       : match[1] == "<f2" ? NpyType::float16
+                                           : NpyType::uint8;
   if (!std::regex_search(header.text, std::regex("'fortran_order'\\s*:\\s*False")))
     badInput(path, ": is in Fortran order, expected C order");
   if (!std::regex_search(
@@ -87,15 +141,19 @@ readNpy(const std::string& path)
   array.depth = std::stoi(match[3]);
   const std::size_t count =
       std::size_t(array.height) * std::size_t(array.width) * std::size_t(array.depth);
-  const std::size_t expected = count * (half ? 2 : 4);
+  const std::size_t expected = count * bytesOf(type);
   if (bytes.size() - header.data_offset != expected)
     badInput(path, ": has ", bytes.size() - header.data_offset,
              " bytes of data, expected ", expected);
   array.values.resize(array.depth, Eigen::Index(array.height) * array.width);
   const std::uint8_t* const data = bytes.data() + header.data_offset;
   float* const values = array.values.data();
-  if (!half)
+  array.is_rounded = type == NpyType::uint8;
+  if (type == NpyType::float32)
     std::memcpy(values, data, expected);
+  else if (type == NpyType::uint8)
+    for (std::size_t i = 0; i < count; ++i)
+      values[i] = float(data[i]) / 255.0f;
   else
 #pragma omp parallel for schedule(static)
     for (std::size_t i = 0; i < count; ++i) {
@@ -110,22 +168,30 @@ void
 writeNpy(const std::string& path, int height, int width, int depth, const float* values,
          NpyType type)
 {
-  const bool half = type == NpyType::float16;
   const std::size_t count =
       std::size_t(height) * std::size_t(width) * std::size_t(depth);
-  std::string bytes = headerText(half ? "<f2" : "<f4",
+  std::string bytes = headerText(type == NpyType::float32   ? "<f4"
+                                 : type == NpyType::float16 ? "<f2"
+                                                            : "|u1",
                                  std::to_string(height) + ", " + std::to_string(width) +
                                      ", " + std::to_string(depth));
   const auto append = [&](const void* data, std::size_t size) {
     bytes.append(static_cast<const char*>(data), size);
   };
-  if (half) {
+  if (type == NpyType::float16) {
     const std::vector<Eigen::half> halves(values, values + count);
     append(halves.data(), count * sizeof(Eigen::half));
   }
+  else if (type == NpyType::uint8) {
+    std::vector<std::uint8_t> rounded(count);
+    std::transform(values, values + count, rounded.begin(), [](float value) {
+      return std::uint8_t(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+    });
+    append(rounded.data(), count);
+  }
   else
     append(values, count * sizeof(float));
-  writeTextFile(path, bytes);
+  writeTextFile(path, isCompressed(path) ? packed(bytes) : bytes);
 }
 
 } // namespace pcl_semantic

@@ -35,13 +35,33 @@ readBin(const std::string& path, int width, int height, int classes)
   return values;
 }
 
+// Rounding to multiples of 1 / 255 changes the sums.
+void
+normalizeRounded(Eigen::MatrixXf& values, const std::string& path)
+{
+  const double tolerance = 0.1 + double(values.rows()) / 510.0;
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    const float sum = values.col(j).sum();
+    if (sum == 0.0f)
+      continue;
+    if (std::abs(double(sum) - 1.0) > tolerance)
+      badInput(path, ": pixel ", j, " has probabilities that sum to ", sum,
+               ", expected 1 (255 in its units)");
+    values.col(j) /= sum;
+  }
+}
+
 LabelDistributions::Matrix
 readNpyMatrix(const std::string& path, int width, int height, int classes)
 {
-  NpyArray array = readNpy(path);
+  const std::size_t expected =
+      std::size_t(width) * std::size_t(height) * std::size_t(classes);
+  NpyArray array = readNpy(path, expected);
   if (array.width != width || array.height != height || array.depth != classes)
     badInput(path, ": has shape (", array.height, ", ", array.width, ", ", array.depth,
              "), expected (", height, ", ", width, ", ", classes, ")");
+  if (array.is_rounded)
+    normalizeRounded(array.values, path);
   return std::move(array.values);
 }
 
@@ -134,6 +154,13 @@ readLabelImage(const std::string& path, const PixelMapping& mapping, cv::Size si
   return labels;
 }
 
+bool
+isPackedNpy(const std::string& path)
+{
+  const std::filesystem::path name(path);
+  return name.extension() == ".zst" && name.stem().extension() == ".npy";
+}
+
 LabelDistributions
 readDistributions(const std::string& path, int width, int height, int classes,
                   float confidence, const PixelMapping& mapping)
@@ -141,8 +168,8 @@ readDistributions(const std::string& path, int width, int height, int classes,
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".png")
     return readIds(path, width, height, classes, confidence, mapping);
-  if (extension != ".bin" && extension != ".npy")
-    badInput(path, ": expected a file named .bin, .npy or .png");
+  if (extension != ".bin" && extension != ".npy" && !isPackedNpy(path))
+    badInput(path, ": expected a file named .bin, .npy, .npy.zst or .png");
   LabelDistributions::Matrix values = extension == ".bin"
                                           ? readBin(path, width, height, classes)
                                           : readNpyMatrix(path, width, height, classes);

@@ -33,7 +33,7 @@ std::string
 StoredPredictor::findFile(int frame) const
 {
   std::string found;
-  for (const char* extension : {".bin", ".npy", ".png"}) {
+  for (const char* extension : {".bin", ".npy", ".npy.zst", ".png"}) {
     const std::string name = frameFileName(frame, extension);
     const std::string path = (fs::path(folder_) / name).string();
     std::error_code error;
@@ -49,7 +49,7 @@ StoredPredictor::findFile(int frame) const
   }
   if (found.empty())
     fail<BadInputException>(folder_, ": frame ", frame, " has no labels: expected ",
-                            frameFileName(frame, ".bin"), ", .npy or .png");
+                            frameFileName(frame, ".bin"), ", .npy, .npy.zst or .png");
   return found;
 }
 

@@ -10,6 +10,7 @@
 
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 
 #include <cctype>
 #include <regex>
@@ -107,7 +108,8 @@ isPartOf(const std::string& source, const CodeBlock& block)
 const std::string docs = PCL_SEMANTIC_SOURCE_DIR "/doc/";
 const char* const readme = PCL_SEMANTIC_SOURCE_DIR "/README.md";
 const char* const guides[] = {"tutorial.md",     "own_clouds.md", "own_network.md",
-                              "how_it_works.md", "viewing.md",    "survey.md"};
+                              "how_it_works.md", "viewing.md",    "survey.md",
+                              "rgbd.md"};
 
 // The project, and what its reader brings along: cameras and networks.
 void
@@ -327,6 +329,24 @@ TEST(Guides, ViewingDrawsTheDemo)
   follow("viewing.md", folder);
   for (const char* const picture : {"view.png", "entropy.png"})
     EXPECT_EQ(readPng(folder.path(picture), ImageKind::grey_or_colour).cols, 1600);
+}
+
+TEST(Guides, ASurveyIsThinnedRefinedAndExported)
+{
+  const TemporaryFolder folder;
+  layOut(folder);
+  follow("survey.md", folder);
+  EXPECT_TRUE(fs::exists(folder.path("refined.pcd")));
+}
+
+TEST(Guides, AnRgbdRecordingBecomesAMap)
+{
+  const TemporaryFolder folder;
+  layOut(folder);
+  follow("rgbd.md", folder);
+  EXPECT_TRUE(fs::exists(folder.path("first_map/map.pcd")));
+  EXPECT_EQ(readKittiTrajectory(folder.path("poses.txt")).size(), 24u);
+  EXPECT_TRUE(fs::exists(folder.path("map.png")));
 }
 
 TEST(Guides, HowItWorksNamesFilesThatAreThere)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
 #include "support/onnx_writer.h"
+#include "support/rgbd_street.h"
 #include "support/same_image.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
@@ -52,6 +53,42 @@ TEST(LabelTool, AMapOfStoredLabelsIsThatOfTheNetwork)
     EXPECT_TRUE(
         isSameImage(readPng(folder.path("stored/") + image, ImageKind::labels),
                     readPng(folder.path("direct/") + image, ImageKind::labels)));
+}
+
+TEST(LabelTool, SingleImagesAreLabelledAsThoseOfAPair)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  addNetwork(street);
+  makeRgbd(street);
+  const std::string net = " --network " + street + "/net.yaml --output ";
+  succeed("label " + street + net + folder.path("pairs"));
+  succeed("label --images '" + street + "/image_2/*.png'" + net +
+          folder.path("images"));
+  succeed("label --rgbd " + street + "/rgbd --format packed --frames 1:" + net +
+          folder.path("rgbd"));
+  const auto read = [&](const std::string& file) {
+    return readDistributions(folder.path(file), 208, 64, 11, 0.8f).matrix();
+  };
+  for (const char* const name : {"000000.npy", "000002.npy"})
+    EXPECT_TRUE(read(std::string("images/") + name) ==
+                read(std::string("pairs/") + name));
+  EXPECT_FALSE(fs::exists(folder.path("rgbd/000000.npy.zst")));
+  EXPECT_LT(
+      (read("rgbd/000002.npy.zst") - read("pairs/000002.npy")).cwiseAbs().maxCoeff(),
+      0.005f);
+  succeed("map --rgbd " + street + "/rgbd --calibration " + street +
+          "/camera.yaml --poses " + street + "/world.txt --frames 1: --labels " +
+          folder.path("rgbd") + " --output " + folder.path("map"));
+  for (const auto& [says, options] : std::vector<std::pair<std::string, std::string>>{
+           {"exclude each other", street + " --images x"},
+           {"exclude each other", "--rgbd x --images y"},
+           {"--left has no effect with --images or --rgbd", "--rgbd x --left y"},
+           {"--depth-within has no effect without --rgbd",
+            "--images x --depth-within 1"}})
+    EXPECT_TRUE(
+        holds(runTool("label " + options + net + folder.path("no")).text, says));
 }
 
 TEST(LabelTool, IdsAreTheClassesOfTheDistributions)

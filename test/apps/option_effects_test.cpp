@@ -212,7 +212,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"extrinsics", {{"IN/own/extrinsics.yaml"}}},
     {"odometry features", {{"40"}}},
     {"files", {{"IN/two.map"}}},
-    {"format", {{"ids"}}},
+    {"format", {{"ids"}, {"packed"}}},
     {"odometry format", {{"tum"}}},
     {"frame", {{"2"}}},
     {"cliques frame", {{"IN/clouds/000001.pcd"}}},

@@ -47,7 +47,8 @@ listOf(const NpyArray& array)
 ::testing::AssertionResult
 refuses(const std::string& bytes, const std::string& part = "")
 {
-  return refusesFile("a.npy", bytes, part, readNpy);
+  return refusesFile("a.npy", bytes, part,
+                     [](const std::string& path) { return readNpy(path); });
 }
 
 } // namespace

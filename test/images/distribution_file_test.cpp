@@ -8,9 +8,12 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include <cmath>
+#include <filesystem>
 #include <limits>
 
 using namespace pcl_semantic;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -87,6 +90,47 @@ TEST(ReadDistributions, BinAndNpyArePixelMajorAndComeBack)
   }
 }
 
+TEST(ReadDistributions, PackedOnesComeBackNearly)
+{
+  const TemporaryFolder folder;
+  const int many = 40, pixels = 1200;
+  LabelDistributions written(many, pixels);
+  for (int j = 0; j < pixels; ++j) {
+    if (j % 100 == 0)
+      continue;                    // unlabelled
+    for (int k = 0; k < many; ++k) // most are much smaller than a step
+      written.matrix()(k, j) = std::exp(-0.5f * float((k + many - j % many) % many));
+    written.matrix().col(j) /= written.matrix().col(j).sum();
+  }
+  const std::string path = folder.path("000000.npy.zst");
+  writeDistributions(path, written, 40, NpyType::uint8);
+  EXPECT_LT(fs::file_size(path), std::size_t(pixels * 10));
+  const auto read = [&](const std::string& file) {
+    return readDistributions(file, 40, 30, many, confidence);
+  };
+  const LabelDistributions packed = read(path);
+  EXPECT_LT((packed.matrix() - written.matrix()).cwiseAbs().maxCoeff(), 0.01f);
+  for (int j = 0; j < pixels; ++j) {
+    EXPECT_EQ(packed.mapLabel(j), written.mapLabel(j));
+    EXPECT_NEAR(packed.matrix().col(j).sum(), j % 100 == 0 ? 0.0f : 1.0f, 1e-5f);
+  }
+  const std::string bytes = bytesOf(path);
+  const auto expectRefused = [&](const std::string& content, const std::string& part) {
+    EXPECT_TRUE(refusesFile("000001.npy.zst", content, part, read));
+  };
+  expectRefused("", "is no file of zstd");
+  expectRefused("no zstd at all", "is no file of zstd");
+  expectRefused(bytes.substr(0, bytes.size() / 2), "is damaged");
+  EXPECT_TRUE(refusesFile("a.npy.zst", bytes, "bytes, expected at most",
+                          [](const std::string& file) {
+                            return readDistributions(file, 4, 3, 5, confidence);
+                          }));
+  EXPECT_TRUE(refusesFile("a.npy.zst", bytes, "has shape (30, 40, 40), expected",
+                          [](const std::string& file) {
+                            return readDistributions(file, 40, 30, 150, confidence);
+                          }));
+}
+
 TEST(ReadDistributions, NumbersAndColoursOfImagesAreMapped)
 {
   const TemporaryFolder folder;
@@ -137,7 +181,7 @@ TEST(ReadDistributions, RefusesOtherSizesAndFiles)
                 "has " + std::to_string(bytes.size()) + " bytes, expected 240"));
   for (const char* const shape : {"(4, 3, 5)", "(3, 5, 4)", "(5, 3, 4)"})
     EXPECT_TRUE(refuses("a.npy", npyOf(someValues(), shape), "(3, 4, 5)"));
-  EXPECT_TRUE(refuses("a.txt", "0.5", ".bin, .npy or .png"));
+  EXPECT_TRUE(refuses("a.txt", "0.5", ".bin, .npy, .npy.zst or .png"));
   for (const char* const name : {"/no.bin", "/no.npy", "/no.png"})
     expectBadInput(name, [&] { read(name); });
 }

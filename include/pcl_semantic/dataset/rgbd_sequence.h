@@ -50,6 +50,12 @@ public:
    * \throws as the constructor, readPinholeCamera() and pinholeCameraOf() */
   RgbdSequence(const RgbdFiles& files, const std::string& calibration);
 
+  /** \brief The colour images of the frames of such a folder, without a camera.
+   * \throws as the constructor */
+  static std::vector<std::string>
+  colourImages(const std::string& folder,
+               double depth_within = RgbdFiles().depth_within);
+
   std::size_t
   size() const
   {
@@ -107,6 +113,8 @@ private:
     std::string name, colour, depth;
     double time = 0.0; // [s]
   };
+
+  RgbdSequence(const std::string& folder, double depth_scale, double depth_within);
 
   void readTumLists(const std::string& folder, double depth_within);
 
