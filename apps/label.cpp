@@ -580,9 +580,11 @@ labelImages(const Arguments& options)
       openTriedNetwork(options.network, options.model, options.engine);
   makeOutputFolder(options.output);
   auto next = images.begin();
+  DarkWatch dark;
   forEachStep("labelling", images.size(), [&](std::size_t) {
     const auto& [frame, path] = *next++;
     const cv::Mat image = readImage(path);
+    dark.look(image, path);
     writeLabels(options, frame, image.cols, network.predictor->predict(image, frame));
   });
   printResults({{"frames", images.size()},

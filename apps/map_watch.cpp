@@ -18,8 +18,10 @@ MapWatch::onFrame(const SensorFrame& frame)
 {
   if (const auto* const pair = std::get_if<StereoFrame>(&frame))
     pairs_.look(*pair);
-  else if (const auto* const rgbd = std::get_if<RgbdFrame>(&frame))
+  else if (const auto* const rgbd = std::get_if<RgbdFrame>(&frame)) {
+    dark_.look(rgbd->image, "frame " + std::to_string(rgbd->number));
     unmeasured_ += rgbd->unmeasured;
+  }
   else
     look(std::get<CloudFrame>(frame));
 }

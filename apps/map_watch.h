@@ -43,6 +43,7 @@ private:
 
   std::string poses_;
   PairWatch pairs_;
+  DarkWatch dark_; // of RGB-D images
   std::size_t unmeasured_ = 0;
   bool told_of_doubts_ = false; // of the first doubtful cloud
   bool told_of_labels_ = false; // a cloud had none

@@ -38,6 +38,17 @@ chooseFrames(const std::string& name, const Sequence& sequence,
   return frames;
 }
 
+/** \brief Warns of the first dark image of a run. */
+class DarkWatch {
+public:
+  /** \param[in] image CV_8UC3 (BGR) or CV_8UC1
+   * \param[in] name of the image: "frame 12" */
+  void look(const cv::Mat& image, const std::string& name);
+
+private:
+  bool has_warned_ = false;
+};
+
 /** \brief Checks the pairs of a run. Warns of each kind of fault once and prints the
  * number of its pairs at the end, or refuses the first suspicious pair. */
 class PairWatch {
@@ -69,7 +80,8 @@ private:
 
   bool strict_;
   std::map<PairFault, int> warned_; ///< number of pairs by fault
-  int row_checks_ = 3;              ///< left; none after a pair with enough corners
+  DarkWatch dark_;
+  int row_checks_ = 3; ///< left; none after a pair with enough corners
 };
 
 } // namespace pcl_semantic::tool

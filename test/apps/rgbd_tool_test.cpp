@@ -128,6 +128,24 @@ TEST(RgbdMap, NeedsNeitherLabelsNorPosesNorACameraFile)
   EXPECT_NEAR(found[2].translation().norm(), path, 0.03 * path);
 }
 
+TEST(RgbdMap, ADarkImageIsNamed)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  makeRgbd(street);
+  const std::string command =
+      replaceAll(replaceAll(run, "STREET", street), "OUT", folder.path("out"));
+  EXPECT_FALSE(holds(succeed(command), "is dark"));
+  for (const char* const name : {"000001.png", "000002.png"}) {
+    const std::string path = street + "/rgbd/rgb/" + name;
+    writePng(path, readImage(path) * 0.05);
+  }
+  const std::string text = succeed(command);
+  EXPECT_TRUE(holds(text, "warning: frame 1: is dark (median grey level "));
+  EXPECT_FALSE(holds(text, "frame 2: is dark"));
+}
+
 TEST(RgbdMap, BadInput)
 {
   expectAllFail(
