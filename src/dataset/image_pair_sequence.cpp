@@ -57,6 +57,24 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
                             files.right, " matches ", right.size());
 }
 
+// Names that are times in nanoseconds, as EuRoC's; else empty.
+std::vector<double>
+timesInNames(const Paths& paths)
+{
+  std::vector<double> times;
+  for (const std::string& path : paths) {
+    const std::string name = frameNameOf(path);
+    constexpr std::size_t least = 17, most = 19; // digits
+    if (name.size() < least || name.size() > most ||
+        name.find_first_not_of("0123456789") != std::string::npos)
+      return {};
+    times.push_back(1e-9 * std::stod(name));
+    if (times.size() > 1 && !(times.back() > times[times.size() - 2]))
+      return {};
+  }
+  return times;
+}
+
 } // namespace
 
 ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
@@ -68,8 +86,9 @@ ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
   pair_ = readRectifiedPair(
       {files.calibration, files.extrinsics}, {first.size(), left_.front()},
       first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
-  if (!files.times.empty())
-    times_ = readTimesOf(files.times, left_.size(), "pairs (row = pair)");
+  times_ = files.times.empty()
+               ? timesInNames(left_)
+               : readTimesOf(files.times, left_.size(), "pairs (row = pair)");
 }
 
 StereoFrame

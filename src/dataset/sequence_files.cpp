@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/sequence_files.h>
 
 #include "core/fail.h"
+#include "files/is_there.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
 
@@ -55,7 +56,8 @@ SequenceFiles::inputs() const
 ConfigParameters
 parametersOf(SequenceFiles& files)
 {
-  return {{"sequence", "folder in KITTI's odometry layout", &files.folder},
+  return {{"sequence", "folder in the layout of KITTI's odometry benchmark or of EuRoC",
+           &files.folder},
           {"left",
            "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
            "('left/*.png')",
@@ -78,6 +80,23 @@ parametersOf(SequenceFiles& files)
            &files.strict}};
 }
 
+namespace {
+
+// The files of a folder in the layout of EuRoC (ASL); empty if it has another one.
+ImagePairFiles
+filesOfEuroc(const std::string& folder)
+{
+  for (const std::string& base : {folder + "/mav0", folder}) {
+    const std::string left = base + "/cam0", right = base + "/cam1";
+    if (isFolder(left + "/data"))
+      return {left + "/data", right + "/data", left + "/sensor.yaml",
+              right + "/sensor.yaml", ""};
+  }
+  return {};
+}
+
+} // namespace
+
 std::unique_ptr<FrameSequence>
 openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
              const VideoOpener& open_videos)
@@ -89,9 +108,12 @@ openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
     badParameter(
         files.files.left,
         ": is a video, expected images; pcl_semantic_live --every-frame maps videos");
-  if (!files.hasFiles())
+  const ImagePairFiles euroc =
+      files.hasFiles() ? ImagePairFiles() : filesOfEuroc(files.folder);
+  if (!files.hasFiles() && euroc.left.empty())
     return std::make_unique<KittiSequence>(files.folder);
-  auto pairs = std::make_unique<ImagePairSequence>(files.files);
+  auto pairs =
+      std::make_unique<ImagePairSequence>(files.hasFiles() ? files.files : euroc);
   doubts.insert(doubts.end(), pairs->doubts().begin(), pairs->doubts().end());
   return pairs;
 }

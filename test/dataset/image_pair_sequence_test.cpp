@@ -5,6 +5,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/dataset/sequence_files.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
 #include <pcl_semantic/images/image_file.h>
 
@@ -148,6 +149,39 @@ TEST(ImagePairSequence, RefusesImagesOfAnotherSizeAndACalibrationOfNothing)
   rig.D2[0] = -40.0;
   writeRig(pairs.files.calibration, rig);
   pairs.expectRefused("right image can be rectified; check K, D");
+}
+
+TEST(EurocFolder, IsOpenedAsItComes)
+{
+  const TemporaryFolder folder;
+  for (const std::string camera : {"cam0", "cam1"}) {
+    fs::create_directories(folder.path("v1/mav0/" + camera + "/data"));
+    const std::string x = camera == "cam0" ? "-0.02" : "0.09";
+    folder.write("v1/mav0/" + camera + "/sensor.yaml",
+                 "sensor_type: camera\ncomment: VI-Sensor\n"
+                 "T_BS:\n  cols: 4\n  rows: 4\n"
+                 "  data: [1, 0, 0, " +
+                     x +
+                     ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+                     "rate_hz: 20\nresolution: [752, 480]\ncamera_model: pinhole\n"
+                     "intrinsics: [458.6, 457.2, 367.2, 248.3]\n"
+                     "distortion_model: radial-tangential\n"
+                     "distortion_coefficients: [-0.28, 0.07, 0.0002, 0.00002]\n");
+    for (const std::string name : {"1403636579763555584", "1403636579813555456"})
+      writePng(folder.path("v1/mav0/" + camera + "/data/" + name + ".png"),
+               cv::Mat(480, 752, CV_8UC1, cv::Scalar(90)));
+  }
+  for (const char* const name : {"v1", "v1/mav0"}) {
+    SequenceFiles files;
+    files.folder = folder.path(name);
+    std::vector<std::string> doubts;
+    const auto sequence = openSequence(files, doubts);
+    ASSERT_EQ(sequence->size(), 2u);
+    EXPECT_NEAR(sequence->camera().baseline, 0.11, 1e-9);
+    EXPECT_NEAR(sequence->timestamp(0), 1403636579.763555584, 1e-6);
+    EXPECT_NEAR(sequence->frame(1).timestamp - sequence->timestamp(0), 0.05, 1e-6);
+    EXPECT_TRUE(sequence->posesPath().empty());
+  }
 }
 
 } // namespace pcl_semantic

@@ -16,15 +16,16 @@ struct ImagePairFiles {
   std::string right;       ///< pattern of the same number of PNG files
   std::string calibration; ///< see readStereoRig(); `.txt`: see readKittiCalibration()
   std::string extrinsics;  ///< R and T, if not in `calibration`
-  std::string times;       ///< one per row [s]; empty: ten frames per second
+  /// One per row [s]. Empty: of names that are nanoseconds, else ten frames per second.
+  std::string times;
 };
 
 /** \brief Stereo images of any camera by two patterns, rectified when read unless they
  * are KITTI's, which are rectified already.
  *
  * Pairs are formed by position in natural order. Frame n is the n-th pair from 0, and
- * row n of `times` is its time. Camera 0, the reference of trajectories, is the left
- * camera before rectification. */
+ * row n of `times` is its time; names of 17 digits or more are nanoseconds. Camera 0,
+ * the reference of trajectories, is the left camera before rectification. */
 class ImagePairSequence : public FrameSequence {
 public:
   /** \throws BadInputException if a pattern matches nothing, the numbers of left and

@@ -20,6 +20,8 @@ using NamedValues = std::vector<std::pair<std::string, std::string>>;
 /** \brief The files of a stereo sequence: a folder in KITTI's layout, or the images of
  * any stereo camera. */
 struct SequenceFiles {
+  /// In KITTI's layout, or EuRoC's (ASL): `mav0/cam0` and `cam1`, each with `data` and
+  /// `sensor.yaml`. Poses of EuRoC's folder are not read: they are those of the body.
   std::string folder;
   ImagePairFiles files;
   bool strict = false; ///< refuse suspicious pairs, see checkPair()
