@@ -203,8 +203,8 @@ parse(int argc, char** argv)
             "network (.onnx; default: the file that its description names)"},
            {"engine", arguments.engine, kEngineHelp},
            {"labels", arguments.labels,
-            "stored label distributions for --clouds: folder with one .bin, .npy or "
-            ".png per frame, or one file"},
+            "stored label distributions for --clouds: folder with one .bin, .npy, "
+            ".npy.zst or .png per frame, or one file"},
            {"label-set", arguments.label_set,
             "label set of --labels (default: label_sets/kitti11.yaml)"},
            {"label-mapping", arguments.label_mapping, kPixelMappingHelp},
@@ -505,10 +505,8 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
 {
   std::error_code error;
   const ImagePairFiles& files = options.sequence.files;
-  std::vector<fs::path> images = {
-      fs::path(files.left).parent_path(),     fs::path(files.right).parent_path(),
-      fs::path(options.images).parent_path(), options.images,
-      fs::path(options.rgbd.folder) / "rgb",  fs::path(options.rgbd.folder) / "depth"};
+  std::vector<fs::path> images = {fs::path(files.left).parent_path(),
+                                  fs::path(files.right).parent_path()};
   for (const char* name : {"image_0", "image_1", "image_2", "image_3"})
     images.push_back(fs::path(options.sequence.folder) / name);
   for (const fs::path& folder : images)
@@ -519,7 +517,7 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
     return;
   for (const FrameFile& file :
        listFrameFiles(options.output, {".bin", ".npy", ".npy.zst", ".png"}))
-    refuseIf(fs::path(file.path).extension() != fs::path(extension).extension(),
+    refuseIf(fs::path(file.path).filename() != frameFileName(file.frame, extension),
              "--output holds " + file.path + ", where only " + extension +
                  " files would be written");
 }
@@ -550,19 +548,29 @@ extensionOf(const std::string& format)
 std::map<int, std::string>
 singleImages(const Arguments& options)
 {
-  std::vector<std::string> paths;
-  std::vector<int> numbers;
-  if (options.images.empty())
-    paths = RgbdSequence::colourImages(options.rgbd.folder, options.rgbd.depth_within);
+  std::map<int, std::string> all;
+  if (options.images.empty()) {
+    std::vector<std::string> doubts;
+    all = RgbdSequence::colourImages(options.rgbd.folder, options.rgbd.depth_within,
+                                     &doubts);
+    warnOf(doubts);
+  }
   else {
-    paths = findFiles(options.images, imageExtensions());
-    numbers = frameNumbersOf(paths);
+    const std::vector<std::string> paths = findFiles(options.images, imageExtensions());
+    const std::vector<int> numbers = frameNumbersOf(paths);
+    for (std::size_t i = 0; i < paths.size(); ++i)
+      all[numbers.empty() ? int(i) : numbers[i]] = paths[i];
   }
   const FrameRange range = parseFrameRange(options.frames);
   std::map<int, std::string> images;
-  for (std::size_t i = 0; i < paths.size(); ++i)
-    if (const int frame = numbers.empty() ? int(i) : numbers[i]; range.contains(frame))
-      images[frame] = paths[i];
+  std::error_code error;
+  for (const auto& [frame, path] : all) {
+    refuseIf(fs::equivalent(fs::path(path).parent_path(), options.output, error),
+             "--output " + options.output +
+                 ": holds images, expected a folder without images");
+    if (range.contains(frame))
+      images[frame] = path;
+  }
   if (images.empty())
     fail<BadInputException>(options.images.empty() ? options.rgbd.folder
                                                    : options.images,

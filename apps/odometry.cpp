@@ -11,8 +11,10 @@
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
+#include <algorithm>
 #include <filesystem>
 
 using namespace pcl_semantic;
@@ -223,11 +225,19 @@ openRgbd(const Options& options)
           Eigen::Isometry3d::Identity()};
 }
 
+bool
+isImageName(const std::string& path)
+{
+  const auto& all = imageExtensions();
+  return std::count(all.begin(), all.end(),
+                    std::filesystem::path(path).extension().string()) > 0;
+}
+
 int
 track(const Options& options)
 {
   for (const std::string& path : {options.output, options.report})
-    refuseIf(std::filesystem::path(path).extension() == ".png",
+    refuseIf(isImageName(path),
              path +
                  ": is the name of an image, expected that of a trajectory or table");
   setNumberOfThreads(options.threads);

@@ -163,10 +163,16 @@ readDistortion(const CalibrationSource& source, CameraFile& camera)
 {
   camera.D.assign(4, 0.0);
   const std::string key = source.find(distortion_keys);
+  if (key.empty() && camera.is_fisheye)
+    badInput(source.path, ": states no distortion coefficients, expected the 4 of an "
+                          "equidistant fisheye");
   if (key.empty())
     return;
   camera.distortion = source.where(key);
   const std::vector<double> D = source.numbers({key});
+  if (camera.is_fisheye && D.size() != 4)
+    badInput(camera.distortion, ": has ", D.size(),
+             " numbers, expected the 4 of an equidistant fisheye");
   if (!D.empty())
     camera.D = D;
 }
@@ -221,15 +227,20 @@ readsFisheye(const CalibrationSource& source,
              const CalibrationSource::Keys& pinhole_models)
 {
   std::string model;
-  source.map.get("distortion_model", model);
-  if (model == "equidistant" || model == "fisheye")
-    return true;
+  const bool has_model = source.map.get("distortion_model", model) && !model.empty();
+  const bool is_equidistant = model == "equidistant" || model == "fisheye";
   Keys models = pinhole_models;
   models.push_back("equidistant");
-  source.requireModel("distortion_model", models);
+  if (!is_equidistant)
+    source.requireModel("distortion_model", models);
+  if (!source.map.has("fisheye_model"))
+    return is_equidistant;
   const int is_fisheye = source.count("fisheye_model");
   if (is_fisheye > 1)
     badInput(source.where("fisheye_model"), " is ", is_fisheye, ", expected 0 or 1");
+  if (has_model && is_equidistant != (is_fisheye == 1))
+    badInput(source.where("fisheye_model"), " is ", is_fisheye,
+             ", but distortion_model is ", inQuotes(model));
   return is_fisheye == 1;
 }
 

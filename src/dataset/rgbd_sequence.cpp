@@ -149,22 +149,25 @@ RgbdSequence::RgbdSequence(const std::string& folder, double depth_scale,
   requireScale(depth_scale);
   if (!(depth_within >= 0.0 && std::isfinite(depth_within)))
     badParameter("depth_within is ", depth_within, " s, expected 0 or more");
-  const bool is_tum = isThere(folder + "/rgb.txt");
-  if (is_tum)
+  is_tum_ = has_times_ = isThere(folder + "/rgb.txt");
+  if (is_tum_)
     readTumLists(folder, depth_within);
   else
     findFolders(folder);
   if (depth_scale_ == 0.0)
-    depth_scale_ = is_tum ? 5000.0 : 1000.0;
+    depth_scale_ = is_tum_ ? 5000.0 : 1000.0;
 }
 
-std::vector<std::string>
-RgbdSequence::colourImages(const std::string& folder, double depth_within)
+std::map<int, std::string>
+RgbdSequence::colourImages(const std::string& folder, double depth_within,
+                           std::vector<std::string>* doubts)
 {
   const RgbdSequence sequence(folder, 0.0, depth_within);
-  std::vector<std::string> paths;
+  std::map<int, std::string> paths;
   for (const Files& files : sequence.frames_)
-    paths.push_back(files.colour);
+    paths[files.number] = files.colour;
+  if (doubts)
+    doubts->insert(doubts->end(), sequence.doubts_.begin(), sequence.doubts_.end());
   return paths;
 }
 
@@ -173,13 +176,15 @@ RgbdSequence::readTumLists(const std::string& folder, double depth_within)
 {
   const std::vector<TimedFile> depths = readList(folder, "depth.txt");
   const std::vector<TimedFile> colours = readList(folder, "rgb.txt");
-  for (const TimedFile& colour : colours) {
+  for (std::size_t number = 0; number < colours.size(); ++number) {
+    const TimedFile& colour = colours[number];
     const auto nearest = std::min_element(
         depths.begin(), depths.end(), [&](const TimedFile& a, const TimedFile& b) {
           return std::abs(a.time - colour.time) < std::abs(b.time - colour.time);
         });
     if (std::abs(nearest->time - colour.time) <= depth_within)
-      frames_.push_back({colour.word, colour.path, nearest->path, colour.time});
+      frames_.push_back(
+          {colour.word, colour.path, nearest->path, colour.time, int(number)});
   }
   if (frames_.empty())
     fail<BadInputException>(folder, "/depth.txt: no time is within ", depth_within,
@@ -205,12 +210,32 @@ RgbdSequence::findFolders(const std::string& folder)
     const std::string depth = folder + "/depth/" + name + ".png";
     if (!isThere(depth))
       fail<BadInputException>(depth, ": is missing, the depth image of ", colour);
-    frames_.push_back({name, colour, depth, 0.1 * double(frames_.size())});
+    frames_.push_back(
+        {name, colour, depth, 0.1 * double(frames_.size()), int(frames_.size())});
   }
+  takeTimesFromNames();
   const std::size_t depths = findFiles(folder + "/depth", imageExtensions()).size();
   if (depths > frames_.size())
     doubts_.push_back(folder + "/depth: " + std::to_string(depths - frames_.size()) +
                       " of its images have no colour image in rgb and are ignored");
+}
+
+// "1305031102.175304": seconds with a point, in rising order.
+void
+RgbdSequence::takeTimesFromNames()
+{
+  std::vector<double> times;
+  for (const Files& files : frames_) {
+    if (files.name.find_first_not_of("0123456789.") != std::string::npos ||
+        std::count(files.name.begin(), files.name.end(), '.') != 1)
+      return;
+    times.push_back(parseNumber(files.name, files.colour));
+    if (times.size() > 1 && times.back() <= times[times.size() - 2])
+      return;
+  }
+  has_times_ = true;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    frames_[i].time = times[i];
 }
 
 std::string
@@ -251,7 +276,7 @@ RgbdSequence::frame(std::size_t i, double max_depth) const
              " x ", camera_.height);
   const cv::Mat depths =
       readPng(files.depth, ImageKind::disparity, image.size(), " as " + files.colour);
-  RgbdFrame frame{{int(i), files.time}, colourImage(image), {}};
+  RgbdFrame frame{{files.number, files.time}, colourImage(image), {}};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
       std::uint32_t(image.cols), std::uint32_t(image.rows));
   frame.cloud->is_dense = false;

@@ -93,8 +93,8 @@ StoredPoses::at(double time) const
   const auto after = std::upper_bound(
       poses.begin(), poses.end(), time,
       [](double value, const TimedPose& timed) { return value < timed.time; });
-  if (after != poses.begin() && after != poses.end() &&
-      after->time - (after - 1)->time <= gap_)
+  if (after != poses.begin() && after != poses.end() && gap_ > 0.0 &&
+      after->time - (after - 1)->time <= gap_ + kSameTime)
     return interpolated(*(after - 1), *after, time);
   const TimedPose* const nearest = findPose(poses, time, kTolerance);
   return nearest ? std::optional<Eigen::Isometry3d>(nearest->pose) : std::nullopt;

@@ -90,6 +90,22 @@ choosePoses(const MapInputs& inputs, const std::string& path)
   return path.empty() ? "odometry" : path;
 }
 
+// Records a gap that was given, and refuses it without effect.
+// \param[in] poses path of a trajectory, or odometry or viewpoint
+void
+addPoseGap(const MapInputs& inputs, const std::string& poses, OpenedInputs& opened)
+{
+  if (inputs.given.count("pose-gap") > 0 &&
+      (poses == "odometry" || poses == "viewpoint" ||
+       trajectoryFormatOf(poses) == TrajectoryFormat::kitti))
+    badParameter("--pose-gap has no effect without the times of a TUM trajectory");
+  if (inputs.pose_gap == StoredPoses::default_gap)
+    return;
+  TextStream gap;
+  gap << inputs.pose_gap;
+  opened.values.emplace_back("pose_gap", gap.str());
+}
+
 // Reads the laser scans beside the images of a sequence.
 ScanReader
 openScans(const KittiSequence& kitti, const std::vector<FrameTime>& frames,
@@ -123,6 +139,7 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
       std::make_unique<RecordedFrames>(sequence, parseFrameRange(inputs.frames));
   opened.values = inputs.sequence.inputs();
   opened.values.emplace_back("poses", poses);
+  addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
   if (auto kitti = std::dynamic_pointer_cast<const KittiSequence>(sequence))
     opened.scans = [kitti, frames = opened.source->frames(),
@@ -151,6 +168,7 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
     openPoses("", opened);
   opened.values = inputs.sequence.inputs();
   append(opened.values, {{"live", "true"}, {"poses", poses}});
+  addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
 }
 
@@ -164,12 +182,24 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
   append(opened.doubts, sequence->doubts());
   opened.source =
       std::make_unique<RecordedFrames>(sequence, parseFrameRange(inputs.frames));
+  if (inputs.given.count("depth-within") > 0 && !sequence->isTum())
+    badParameter("--depth-within has no effect on folders rgb and depth, whose names "
+                 "match");
   const std::string poses = choosePoses(inputs, sequence->posesPath());
+  if (poses != "odometry" && !sequence->hasTimes() &&
+      trajectoryFormatOf(poses) == TrajectoryFormat::tum)
+    opened.doubts.push_back(inputs.rgbd.folder +
+                            "/rgb: its images have no times and count as 0.1 s apart, "
+                            "but " +
+                            poses +
+                            " has times: do they match? TUM's rgb.txt "
+                            "gives the times of images");
   opened.values = inputs.sequence.inputs();
   RgbdFiles files = inputs.rgbd;
   for (const ConfigParameter& each : parametersOf(files))
     opened.values.emplace_back(each.name, each.text());
   opened.values.emplace_back("poses", poses);
+  addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
   opened.has_odometry = poses == "odometry";
   if (opened.has_odometry)
@@ -224,6 +254,7 @@ public:
                             {"poses", inputs_.poses}});
     if (!inputs_.scan_columns.empty())
       opened_.values.emplace_back("scan_columns", "[" + inputs_.scan_columns + "]");
+    addPoseGap(inputs_, inputs_.poses, opened_);
     opened_.scans = [reader = scans()] { return reader; };
     openPoses();
   }

@@ -75,6 +75,14 @@ TEST(LabelTool, SingleImagesAreLabelledAsThoseOfAPair)
     EXPECT_TRUE(read(std::string("images/") + name) ==
                 read(std::string("pairs/") + name));
   EXPECT_FALSE(fs::exists(folder.path("rgbd/000000.npy.zst")));
+  for (const std::string format : {"float32", "float16", "packed", "ids"})
+    for (const std::string frames : {"0:1", "1:2"})
+      succeed("label --rgbd " + street + "/rgbd --format " + format + " --frames " +
+              frames + net + folder.path("again_" + format));
+  for (const std::string& bad :
+       {"--rgbd " + street + "/rgbd" + net + street + "/rgbd/rgb",
+        "--images '" + street + "/image_[2]/*.png'" + net + street + "/image_2"})
+    EXPECT_EQ(runTool("label --format ids " + bad).code, 2);
   EXPECT_LT(
       (read("rgbd/000002.npy.zst") - read("pairs/000002.npy")).cwiseAbs().maxCoeff(),
       0.005f);

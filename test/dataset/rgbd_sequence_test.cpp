@@ -81,6 +81,16 @@ TEST_F(Rgbd, TumsListsAreMatchedByTime)
                 ": 1 of its 3 images have no depth image within "
                 "0.02 s and are skipped; --depth-within allows more");
   EXPECT_EQ(RgbdSequence(folder.path(), camera, 0.0, 1.0).size(), 3u);
+  EXPECT_TRUE(sequence.hasTimes());
+  folder.write("rgb.txt", "90 rgb/a.png\n100.01 rgb/a.png\n100.05 jpg/b.jpg\n");
+  const RgbdSequence gapped(folder.path(), camera);
+  EXPECT_EQ(gapped.frameNumber(0), 1); // the position in the list
+  EXPECT_EQ(gapped.frame(1).number, 2);
+  std::vector<std::string> doubts;
+  const auto images = RgbdSequence::colourImages(folder.path(), 0.02, &doubts);
+  EXPECT_EQ(images.begin()->first, 1);
+  EXPECT_EQ(images.size(), 2u);
+  EXPECT_EQ(doubts.size(), 1u);
   EXPECT_THROW(RgbdSequence(folder.path(), camera, 0.0, -1.0),
                InvalidParameterException);
   EXPECT_EQ(sequence.posesPath(), "");

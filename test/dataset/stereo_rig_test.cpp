@@ -320,7 +320,8 @@ TEST(StereoRig, ReadsTheCameraInfosOfRos)
   const std::string right = folder.write(
       "right.yaml", cameraInfo(rig.K2, rig.D2, A2.transpose(), -450.0 * 0.12));
   expectSameRig(readStereoRig(left, right), rig);
-  std::string text = cameraInfo(rig.K1, rig.D1, A1.transpose(), 0.0);
+  const std::vector<double> four(rig.D1.begin(), rig.D1.begin() + 4);
+  std::string text = cameraInfo(rig.K1, four, A1.transpose(), 0.0);
   text.replace(text.find("plumb_bob"), 9, "equidistant");
   const std::string fisheye = folder.write("fisheye.yaml", text);
   for (const auto& [first, second, says] : std::vector<std::array<std::string, 3>>{

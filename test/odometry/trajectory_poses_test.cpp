@@ -126,6 +126,12 @@ TEST(PosesByTime, AreInterpolatedInSmallGaps)
     EXPECT_NEAR(turn.angle(), time, 1e-4); // the arc itself
   }
   EXPECT_EQ(poses.pose({0, 0.209}).translation().x(), 2.0); // the nearest one
+  StoredTrajectory coarse = stored;
+  for (std::size_t i = 0; i < 4; ++i)
+    coarse.poses[i].time = 1.4e9 + 0.2 * double(i); // gaps of 0.2 s, rounded
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(StoredPoses(coarse).pose({0, 1.4e9 + 0.2 * i + 0.1}).translation().x(),
+                i + 0.5, 1e-5);
   EXPECT_THROW(poses.pose({0, 0.5}), BadInputException);
   EXPECT_THROW(poses.pose({0, 1.1}), BadInputException);
   const StoredPoses wide(stored, Eigen::Isometry3d::Identity(), 1.0);

@@ -7,7 +7,7 @@
 #include <pcl_semantic/dataset/pinhole_camera.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
-#include <memory>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,11 +50,14 @@ public:
    * \throws as the constructor, readPinholeCamera() and pinholeCameraOf() */
   RgbdSequence(const RgbdFiles& files, const std::string& calibration);
 
-  /** \brief The colour images of the frames of such a folder, without a camera.
+  /** \brief The colour images of the frames of such a folder by their numbers, without
+   * a camera.
+   * \param[out] doubts if not null: lines about skipped images are appended
    * \throws as the constructor */
-  static std::vector<std::string>
+  static std::map<int, std::string>
   colourImages(const std::string& folder,
-               double depth_within = RgbdFiles().depth_within);
+               double depth_within = RgbdFiles().depth_within,
+               std::vector<std::string>* doubts = nullptr);
 
   std::size_t
   size() const
@@ -70,14 +73,30 @@ public:
     return frames_.at(i).name;
   }
 
-  /** \brief Number of the i-th frame: i. */
+  /** \brief Number of the i-th frame: the position of its colour image in the list or
+   * folder, from 0. Skipped images leave gaps. */
   int
   frameNumber(std::size_t i) const
   {
-    return static_cast<int>(i);
+    return frames_.at(i).number;
   }
 
-  /** \brief Time of the colour image [s], or 0.1 s per frame. */
+  /** \brief Whether the frames have times: in TUM's layout, or of names that are
+   * seconds with a point. Otherwise they count as 0.1 s apart. */
+  bool
+  hasTimes() const
+  {
+    return has_times_;
+  }
+
+  /** \brief Whether the folder has TUM's lists. */
+  bool
+  isTum() const
+  {
+    return is_tum_;
+  }
+
+  /** \brief Time of the colour image [s], see hasTimes(). */
   double
   timestamp(std::size_t i) const
   {
@@ -112,6 +131,7 @@ private:
   struct Files {
     std::string name, colour, depth;
     double time = 0.0; // [s]
+    int number = 0;
   };
 
   RgbdSequence(const std::string& folder, double depth_scale, double depth_within);
@@ -120,10 +140,13 @@ private:
 
   void findFolders(const std::string& folder);
 
+  void takeTimesFromNames();
+
   std::string folder_;
   StereoCamera camera_;
   std::vector<std::string> doubts_;
   double depth_scale_;
+  bool is_tum_ = false, has_times_ = false;
   std::vector<Files> frames_;
 };
 
