@@ -52,9 +52,9 @@ or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))
 or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml
   --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options])",
     R"(Runs a segmentation network on the left images, or those of one camera, and stores the
-label distributions of their pixels for pcl_semantic_map --labels. With --clouds it labels clouds instead:
-organized clouds by their pixels, clouds of a laser scanner by the camera images that
-show their points.)",
+label distributions of their pixels for pcl_semantic_map --labels. With --clouds it
+labels clouds instead: organized clouds by their pixels, clouds of a laser scanner by
+the camera images that show their points.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 /tmp/street/calib.txt \
     /tmp/street_clouds && \

@@ -191,6 +191,8 @@ doors()
        [](const std::string& b) { readDistributionsOf(b, "d.bin"); }},
       {"distributions_npy",
        [](const std::string& b) { readDistributionsOf(b, "d.npy"); }},
+      {"distributions_packed",
+       [](const std::string& b) { readDistributionsOf(b, "d.npy.zst"); }},
       {"distributions_png",
        [](const std::string& b) { readDistributionsOf(b, "d.png"); }},
       {"fleet_plan",
