@@ -182,16 +182,13 @@ parse(int argc, char** argv)
             "clouds of a laser scanner"},
            {"images", arguments.images,
             "images of one camera to label: folder or pattern in quotes; files are "
-            "named "
-            "by their numbers, or counted from 0 if they have none"},
+            "named by their numbers, or counted from 0 if they have none"},
            {"rgbd", arguments.rgbd.folder,
             "RGB-D sequence whose colour images are labelled: TUM's layout, or a "
-            "folder "
-            "with rgb/ and depth/"},
+            "folder with rgb/ and depth/"},
            {"depth-within", withDefault(arguments.rgbd.depth_within),
             "maximum difference between the times of a colour image and its depth "
-            "image "
-            "in TUM's layout [s]; as for pcl_semantic_map"},
+            "image in TUM's layout [s]; as for pcl_semantic_map"},
            {"sensor-pose", arguments.sensor_pose,
             "pose of the scanner in the camera frame (x right, y down, z forward): a "
             "file with one line, the upper 3 x 4 of its matrix (default: Tr in "
@@ -228,7 +225,7 @@ parse(int argc, char** argv)
       {"sequence"});
   refuseUnread(values, unreadOptions(arguments));
   asUsage([&] { requireEngine(arguments.engine, arguments.network); });
-  if (arguments.clouds.empty() || arguments.hasSingleImages())
+  if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else
     requireClouds(arguments);
@@ -515,8 +512,7 @@ refuseOtherFiles(const Arguments& options, const std::string& extension)
                  ": holds images, expected a folder without images");
   if (!fs::is_directory(options.output, error))
     return;
-  for (const FrameFile& file :
-       listFrameFiles(options.output, {".bin", ".npy", ".npy.zst", ".png"}))
+  for (const FrameFile& file : listFrameFiles(options.output, distributionExtensions()))
     refuseIf(fs::path(file.path).filename() != frameFileName(file.frame, extension),
              "--output holds " + file.path + ", where only " + extension +
                  " files would be written");
@@ -578,53 +574,59 @@ singleImages(const Arguments& options)
   return images;
 }
 
-int
-labelImages(const Arguments& options)
+// Labels images and stores the distributions.
+// \param[in] imageOf gives the i-th image and the number of its frame
+template <typename ImageOf>
+Results
+labelEach(const Arguments& options, std::size_t images, ImageOf&& imageOf)
 {
-  refuseOtherFiles(options, extensionOf(options.format));
-  setNumberOfThreads(options.threads);
-  const std::map<int, std::string> images = singleImages(options);
   const OpenedNetwork network =
       openTriedNetwork(options.network, options.model, options.engine);
   makeOutputFolder(options.output);
+  forEachStep("labelling", images, [&](std::size_t i) {
+    const auto& [image, frame] = imageOf(i);
+    writeLabels(options, frame, image.cols, network.predictor->predict(image, frame));
+  });
+  return {{"frames", images},
+          {"classes", std::size_t(network.label_set.size())},
+          {"label_set", network.label_set_path},
+          {"labels", options.output}};
+}
+
+Results
+labelImages(const Arguments& options)
+{
+  const std::map<int, std::string> images = singleImages(options);
   auto next = images.begin();
   DarkWatch dark;
-  forEachStep("labelling", images.size(), [&](std::size_t) {
+  return labelEach(options, images.size(), [&](std::size_t) {
     const auto& [frame, path] = *next++;
     const cv::Mat image = readImage(path);
     dark.look(image, path);
-    writeLabels(options, frame, image.cols, network.predictor->predict(image, frame));
+    return std::pair(image, frame);
   });
-  printResults({{"frames", images.size()},
-                {"classes", std::size_t(network.label_set.size())},
-                {"label_set", network.label_set_path},
-                {"labels", options.output}});
-  return exit_done;
+}
+
+Results
+labelSequence(const Arguments& options)
+{
+  const auto sequence = openSequenceOf(options.sequence);
+  const auto frames = chooseFrames(options.sequence.name(), *sequence, options.frames);
+  PairWatch watch(options.sequence.strict, sequence->camera());
+  return labelEach(options, frames.size(), [&](std::size_t i) {
+    const StereoFrame frame = sequence->frame(frames[i]);
+    watch.look(frame);
+    return std::pair(frame.left, frame.number);
+  });
 }
 
 int
-labelSequence(const Arguments& options)
+storeLabels(const Arguments& options)
 {
   refuseOtherFiles(options, extensionOf(options.format));
   setNumberOfThreads(options.threads);
-  const auto sequence = openSequenceOf(options.sequence);
-  const auto frames = chooseFrames(options.sequence.name(), *sequence, options.frames);
-  const OpenedNetwork network =
-      openTriedNetwork(options.network, options.model, options.engine);
-  makeOutputFolder(options.output);
-  {
-    PairWatch watch(options.sequence.strict, sequence->camera());
-    forEachStep("labelling", frames.size(), [&](std::size_t i) {
-      const StereoFrame frame = sequence->frame(frames[i]);
-      watch.look(frame);
-      writeLabels(options, frame.number, frame.left.cols,
-                  network.predictor->predict(frame.left, frame.number));
-    });
-  }
-  printResults({{"frames", frames.size()},
-                {"classes", std::size_t(network.label_set.size())},
-                {"label_set", network.label_set_path},
-                {"labels", options.output}});
+  printResults(options.hasSingleImages() ? labelImages(options)
+                                         : labelSequence(options));
   return exit_done;
 }
 
@@ -637,8 +639,6 @@ main(int argc, char** argv)
     return *trial;
   return runWithImages(usage.name, [&] {
     const Arguments arguments = parse(argc, argv);
-    if (arguments.hasSingleImages())
-      return labelImages(arguments);
-    return arguments.clouds.empty() ? labelSequence(arguments) : labelClouds(arguments);
+    return arguments.clouds.empty() ? storeLabels(arguments) : labelClouds(arguments);
   });
 }

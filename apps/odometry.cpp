@@ -50,18 +50,6 @@ struct Options {
   StereoOdometry::Parameters parameters;
 };
 
-void
-requireRgbd(const Options& options)
-{
-  refuseIf(!options.sequence.folder.empty(),
-           "--rgbd and a SEQUENCE exclude each other");
-  const std::string& calibration = options.sequence.files.calibration;
-  refuseIf(calibration.empty() == options.rgbd.intrinsics.empty(),
-           "--rgbd needs --calibration or --intrinsics, the camera");
-  if (calibration.empty())
-    asUsage([&] { pinholeCameraOf("", options.rgbd.intrinsics); });
-}
-
 Options
 parse(int argc, char** argv)
 {
@@ -99,10 +87,12 @@ parse(int argc, char** argv)
         "with --rgbd",
         {"left", "right", "extrinsics", "times", "strict", "offset-drift"}},
        {!is_rgbd, "without --rgbd", {"intrinsics", "depth-scale", "depth-within"}}});
-  if (is_rgbd)
-    requireRgbd(options);
-  else
-    asUsage([&] { options.sequence.validate(); });
+  refuseIf(is_rgbd && !options.sequence.folder.empty(),
+           "--rgbd and a SEQUENCE exclude each other");
+  asUsage([&] {
+    is_rgbd ? options.rgbd.requireCamera(options.sequence.files.calibration)
+            : options.sequence.validate();
+  });
   refuseIf(options.output.empty(), "OUT.txt is missing");
   refuseIf(options.format != "kitti" && options.format != "tum",
            "--format is '" + options.format + "', expected kitti or tum");

@@ -105,6 +105,15 @@ doubtOfScale(double median, double scale)
 
 } // namespace
 
+void
+RgbdFiles::requireCamera(const std::string& calibration) const
+{
+  if (calibration.empty() == intrinsics.empty())
+    badParameter("--rgbd needs --calibration or --intrinsics, the camera");
+  if (calibration.empty())
+    pinholeCameraOf("", intrinsics);
+}
+
 ConfigParameters
 parametersOf(RgbdFiles& files)
 {
@@ -113,8 +122,7 @@ parametersOf(RgbdFiles& files)
            "and depth/; needs --calibration (ROS camera_info, Kalibr) or --intrinsics",
            &files.folder},
           {"intrinsics",
-           "intrinsics fx,fy,cx,cy of --rgbd instead of --calibration "
-           "[px]",
+           "intrinsics fx,fy,cx,cy of --rgbd instead of --calibration [px]",
            &files.intrinsics},
           {"depth_scale",
            "value of 1 m in the depth images of --rgbd; 0 = 5000 in TUM's layout, else "

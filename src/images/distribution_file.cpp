@@ -177,6 +177,13 @@ readDistributions(const std::string& path, int width, int height, int classes,
   return LabelDistributions(std::move(values));
 }
 
+const std::vector<std::string>&
+distributionExtensions()
+{
+  static const std::vector<std::string> all = {".bin", ".npy", ".npy.zst", ".png"};
+  return all;
+}
+
 void
 writeDistributions(const std::string& path, const LabelDistributions& distributions)
 {

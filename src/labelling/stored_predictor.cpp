@@ -33,7 +33,7 @@ std::string
 StoredPredictor::findFile(int frame) const
 {
   std::string found;
-  for (const char* extension : {".bin", ".npy", ".npy.zst", ".png"}) {
+  for (const std::string& extension : distributionExtensions()) {
     const std::string name = frameFileName(frame, extension);
     const std::string path = (fs::path(folder_) / name).string();
     std::error_code error;

@@ -63,11 +63,7 @@ void
 requireRgbd(const MapInputs& inputs)
 {
   refuseIf(!inputs.sequence.folder.empty(), "--rgbd and a SEQUENCE exclude each other");
-  const std::string& calibration = inputs.sequence.files.calibration;
-  refuseIf(calibration.empty() == inputs.rgbd.intrinsics.empty(),
-           "--rgbd needs --calibration or --intrinsics, the camera");
-  if (calibration.empty())
-    pinholeCameraOf("", inputs.rgbd.intrinsics);
+  inputs.rgbd.requireCamera(inputs.sequence.files.calibration);
   requireLabels(inputs);
 }
 

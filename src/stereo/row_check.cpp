@@ -38,12 +38,11 @@ findRow(const cv::Mat& left, const cv::Mat& right, const cv::Point& corner,
   cv::minMaxLoc(scores, nullptr, &best, nullptr, &at);
   if (!(best > alike) || at.y == 0 || at.y == scores.rows - 1)
     return false;
-  const cv::Mat1f others = scores.clone();
-  const cv::Rect peak(at.x - half, at.y - half, 2 * half + 1, 2 * half + 1);
-  others(peak & cv::Rect({}, others.size())) = -1.0f;
-  double second = 0.0;
-  cv::minMaxLoc(others, nullptr, &second);
   const double above = scores(at.y - 1, at.x), below = scores(at.y + 1, at.x);
+  const cv::Rect peak(at.x - half, at.y - half, 2 * half + 1, 2 * half + 1);
+  scores(peak & cv::Rect({}, scores.size())) = -1.0f;
+  double second = 0.0;
+  cv::minMaxLoc(scores, nullptr, &second);
   const double bend = above - 2.0 * best + below; // of a parabola through three rows
   if (second > best - clear || !(bend < 0.0))
     return false;

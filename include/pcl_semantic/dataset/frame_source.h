@@ -98,6 +98,9 @@ public:
   }
 
 private:
+  template <typename Sequence>
+  void select(std::shared_ptr<const Sequence> sequence, const FrameRange& range);
+
   Reader read_;
   std::size_t next_ = 0;
 };

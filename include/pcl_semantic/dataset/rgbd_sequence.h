@@ -19,6 +19,12 @@ struct RgbdFiles {
   std::string intrinsics;     ///< fx,fy,cx,cy instead of the camera's file [px]
   double depth_scale = 0.0;   ///< number per metre; 0 = default of the layout
   double depth_within = 0.02; ///< between the times of colour and depth [s]
+
+  /** \brief Requires the camera, without reading its file.
+   * \param[in] calibration path of that file; empty = from \a intrinsics
+   * \throws InvalidParameterException unless one of them is given, or if the
+   * intrinsics are no camera */
+  void requireCamera(const std::string& calibration) const;
 };
 
 /** \brief Parameters `rgbd`, `intrinsics`, `depth_scale`, `depth_within`. */

@@ -10,6 +10,7 @@
 #include <opencv2/core/types.hpp>
 
 #include <string>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -44,6 +45,9 @@ cv::Size statedImageSize(const std::string& path);
 LabelDistributions readDistributions(const std::string& path, int width, int height,
                                      int classes, float confidence,
                                      const PixelMapping& mapping = {});
+
+/** \brief The endings of the names that readDistributions() reads. */
+const std::vector<std::string>& distributionExtensions();
 
 /** \brief Writes the `.bin` format of readDistributions().
  * \throws OutputException if the file cannot be written */
