@@ -39,8 +39,12 @@ function(pcl_semantic_compiler_options target group)
       # Behaviour is ours to check, not that of the tests, which then compile in two
       # thirds.
       if(NOT group STREQUAL tests)
+        # Without those that the address sanitizer makes superfluous (a null pointer, the
+        # size of an object) or that no platform of ours minds: they take half of the time
+        # to compile.
         target_compile_options(${target} PRIVATE
-          -fsanitize=undefined -fno-sanitize-recover=undefined)
+          -fsanitize=undefined -fno-sanitize-recover=undefined
+          -fno-sanitize=null,object-size,vptr,pointer-overflow,alignment)
       endif()
     endif()
   endif()
