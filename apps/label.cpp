@@ -14,6 +14,7 @@
 #include <pcl_semantic/dataset/cloud_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/dataset/undistorter.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -126,8 +127,11 @@ requireClouds(const Arguments& arguments)
   refuseIf(arguments.carries() && !arguments.sequence.folder.empty() &&
                arguments.sequence.hasFiles(),
            "both a SEQUENCE and --left, --calibration or --times");
-  refuseIf(!files.left.empty() && files.calibration.empty(),
-           "--left needs --calibration, its intrinsics");
+  refuseIf(!files.left.empty() &&
+               files.calibration.empty() == arguments.rgbd.intrinsics.empty(),
+           "--left needs --calibration or --intrinsics, its camera");
+  if (!arguments.rgbd.intrinsics.empty())
+    asUsage([&] { pinholeCameraOf("", arguments.rgbd.intrinsics); });
   refuseIf(!files.left.empty() && arguments.sensor_pose.empty(),
            "--left needs --sensor-pose, where the scanner is");
   refuseIf(arguments.output.empty(), "--output is missing");
@@ -149,8 +153,11 @@ unreadOptions(const Arguments& arguments)
   const bool clouds = !arguments.clouds.empty(), carries = arguments.carries();
   return {{arguments.hasSingleImages(),
            "with --images or --rgbd",
-           {"left", "right", "calibration", "extrinsics", "strict", "clouds"}},
+           {"left", "right", "extrinsics", "strict", "clouds"}},
           {arguments.rgbd.folder.empty(), "without --rgbd", {"depth-within"}},
+          {!clouds || arguments.sequence.files.left.empty(),
+           "without --clouds and --left",
+           {"intrinsics"}},
           {!clouds,
            "without --clouds",
            {"labels", "label-set", "label-mapping", "scan-columns", "sensor-pose",
@@ -189,6 +196,8 @@ parse(int argc, char** argv)
            {"depth-within", withDefault(arguments.rgbd.depth_within),
             "maximum difference between the times of a colour image and its depth "
             "image in TUM's layout [s]; as for pcl_semantic_map"},
+           {"intrinsics", arguments.rgbd.intrinsics,
+            "intrinsics fx,fy,cx,cy of --left instead of --calibration [px]"},
            {"sensor-pose", arguments.sensor_pose,
             "pose of the scanner in the camera frame (x right, y down, z forward): a "
             "file with one line, the upper 3 x 4 of its matrix (default: Tr in "
@@ -247,15 +256,16 @@ readSensorPose(const std::string& path)
 class LabelCarrier {
 public:
   // Uses the images of a folder in KITTI's layout, or those of one camera: `left` and
-  // its intrinsics as `calibration`. Without a file the scanner's pose in the camera is
-  // the sequence's.
-  LabelCarrier(const SequenceFiles& images, const std::string& sensor_pose,
-               const VisibilityParameters& visibility)
+  // its camera as `calibration` or intrinsics. Without a file the scanner's pose in the
+  // camera is the sequence's.
+  LabelCarrier(const SequenceFiles& images, const std::string& intrinsics,
+               const std::string& sensor_pose, const VisibilityParameters& visibility)
       : visibility_(visibility)
   {
     visibility.validate();
     if (!images.files.left.empty()) {
-      const PinholeCamera camera = readPinholeCamera(images.files.calibration);
+      const PinholeCamera camera =
+          pinholeCameraOf(images.files.calibration, intrinsics);
       warnOf(camera.doubts);
       images_.emplace(images.files.left, camera);
     }
@@ -471,7 +481,8 @@ labelClouds(const Arguments& arguments)
   const auto predictor = makePredictor(arguments, watch);
   std::optional<LabelCarrier> carrier;
   if (arguments.carries())
-    carrier.emplace(arguments.sequence, arguments.sensor_pose, visibilityOf(arguments));
+    carrier.emplace(arguments.sequence, arguments.rgbd.intrinsics,
+                    arguments.sensor_pose, visibilityOf(arguments));
   const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
   std::vector<int> frames;
   for (const std::size_t i : chosen) {
@@ -597,13 +608,27 @@ Results
 labelImages(const Arguments& options)
 {
   const std::map<int, std::string> images = singleImages(options);
+  const std::string& calibration = options.sequence.files.calibration;
+  std::optional<PinholeCamera> camera;
+  std::optional<Undistorter> undistorter;
+  if (!calibration.empty()) {
+    camera = readPinholeCamera(calibration);
+    warnOf(camera->doubts);
+  }
   auto next = images.begin();
   DarkWatch dark;
   return labelEach(options, images.size(), [&](std::size_t) {
     const auto& [frame, path] = *next++;
-    const cv::Mat image = readImage(path);
+    const cv::Mat image =
+        undistorter
+            ? readImage(path,
+                        {undistorter->camera().width, undistorter->camera().height},
+                        " as " + images.begin()->second)
+            : readImage(path);
     dark.look(image, path);
-    return std::pair(image, frame);
+    if (camera && !undistorter)
+      undistorter.emplace(*camera, image.cols, image.rows, path);
+    return std::pair(undistorter ? undistorter->undistort(image) : image, frame);
   });
 }
 

@@ -175,8 +175,8 @@ mapLive(const MapOptions& options)
   const LiveSource* source = nullptr;
   InputOpeners openers;
   openers.network = openTriedNetwork;
-  openers.live = [&](const SequenceFiles& files) {
-    auto opened = std::make_unique<LiveSource>(files);
+  openers.live = [&](const MapInputs& inputs) {
+    auto opened = std::make_unique<LiveSource>(inputs);
     source = opened.get();
     return opened;
   };
@@ -212,7 +212,8 @@ main(int argc, char** argv)
     const MapOptions options = parseMapOptions(argc, argv, MapProgram::live);
     if (options.every_frame)
       return mapEveryFrame(options);
-    requireCaptures(options.inputs.sequence);
+    if (options.inputs.rgbd.folder.empty())
+      requireCaptures(options.inputs.sequence);
     restartWithShortSpins(argv);
     mapLive(options);
     return int(exit_done);

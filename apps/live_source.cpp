@@ -8,6 +8,7 @@
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_folder.h>
+#include <pcl_semantic/dataset/live_rgbd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -19,36 +20,58 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-std::unique_ptr<LiveCamera>
-openCamera(const SequenceFiles& options)
+// Waits until another program has begun to fill the folder.
+template <typename HoldsFrame>
+void
+waitFor(const std::string& what, HoldsFrame&& holdsFrame)
 {
-  if (options.hasFiles())
-    return openCaptures(options.files);
-  if (!isFolder(options.folder))
-    fail<BadInputException>(options.folder, ": is no folder, expected one in KITTI's "
-                                            "layout that another program fills");
   StatusLine status("live");
-  if (!holdsPair(options.folder))
-    status.show("waiting for calib.txt and the first pair of images in " +
-                options.folder);
-  while (!holdsPair(options.folder)) {
+  if (!holdsFrame())
+    status.show("waiting for " + what);
+  while (!holdsFrame()) {
     if (interrupted())
       throw Exit{exit_interrupted};
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  return openLiveFolder(options.folder);
+}
+
+void
+requireFolder(const std::string& folder, const std::string& layout)
+{
+  if (!isFolder(folder))
+    fail<BadInputException>(folder, ": is no folder, expected one ", layout,
+                            " that another program fills");
+}
+
+std::unique_ptr<LiveCamera>
+openCamera(const MapInputs& inputs)
+{
+  const SequenceFiles& files = inputs.sequence;
+  if (const std::string& folder = inputs.rgbd.folder; !folder.empty()) {
+    requireFolder(folder, "with rgb and depth");
+    waitFor("the first pair of images in rgb and depth of " + folder,
+            [&] { return holdsRgbdFrame(folder); });
+    return openLiveRgbd(inputs.rgbd, files.files.calibration);
+  }
+  if (files.hasFiles())
+    return openCaptures(files.files);
+  requireFolder(files.folder, "in KITTI's layout");
+  waitFor("calib.txt and the first pair of images in " + files.folder,
+          [&] { return holdsPair(files.folder); });
+  return openLiveFolder(files.folder);
 }
 
 } // namespace
 
-LiveSource::LiveSource(const SequenceFiles& files) : files_(files)
+LiveSource::LiveSource(const MapInputs& inputs)
+    : files_(inputs.sequence), name_(inputs.name())
 {
-  // Pairs that arrive before the mapper is ready are dropped.
-  std::unique_ptr<LiveCamera> camera = openCamera(files);
+  // Frames that arrive before the mapper is ready are dropped.
+  std::unique_ptr<LiveCamera> camera = openCamera(inputs);
   warnOf(camera->doubts());
-  warnOf(doubtsOf(camera->camera(), files.strict));
-  sensor_ = {camera->camera(), camera->T_camera0_camera()};
-  grabber_ = std::make_unique<StereoGrabber>(std::move(camera));
+  warnOf(doubtsOf(camera->camera(), files_.strict));
+  sensor_ = {camera->camera(), camera->T_camera0_camera(), camera->hasDepth()};
+  grabber_ = std::make_unique<FrameGrabber>(std::move(camera));
 }
 
 std::optional<SensorFrame>
@@ -57,7 +80,7 @@ LiveSource::next()
   constexpr std::chrono::milliseconds patience(100); // to react to an interrupt
   while (!interrupted() && !grabber_->hasEnded())
     try {
-      std::optional<StereoGrabber::Grabbed> grabbed = grabber_->take(patience);
+      std::optional<FrameGrabber::Grabbed> grabbed = grabber_->take(patience);
       if (!grabbed)
         continue;
       grabbed_ = grabbed->when;
@@ -70,14 +93,14 @@ LiveSource::next()
         warn(std::string(error.what()) + "; the frame is ignored");
     }
   if (!interrupted() && !isVideo(files_.files.left))
-    warn(files_.name() + ": delivers no more images");
+    warn(name_ + ": delivers no more images");
   return std::nullopt;
 }
 
 double
 LiveSource::secondsSinceGrabbed() const
 {
-  return std::chrono::duration<double>(StereoGrabber::Clock::now() - grabbed_).count();
+  return std::chrono::duration<double>(FrameGrabber::Clock::now() - grabbed_).count();
 }
 
 } // namespace pcl_semantic::tool

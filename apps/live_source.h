@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/dataset/frame_grabber.h>
 #include <pcl_semantic/dataset/frame_source.h>
-#include <pcl_semantic/dataset/sequence_files.h>
-#include <pcl_semantic/dataset/stereo_grabber.h>
+#include <pcl_semantic/pipeline/map_inputs.h>
 
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace pcl_semantic::tool {
 
-/** \brief Live pairs of a camera, a video or a folder. Each call returns the newest
- * pair, until the source ends or an interrupt arrives. */
+/** \brief Live frames of a camera, a video or a folder. Each call returns the newest
+ * one, until the source ends or an interrupt arrives. */
 class LiveSource : public FrameSource {
 public:
-  /** \brief Waits for the first pair.
+  /** \brief Waits for the first frame.
    * \throws Exit if it is interrupted, BadInputException */
-  explicit LiveSource(const SequenceFiles& files);
+  explicit LiveSource(const MapInputs& inputs);
 
   std::optional<SensorFrame> next() override;
 
@@ -39,8 +40,9 @@ public:
 
 private:
   SequenceFiles files_;
-  std::unique_ptr<StereoGrabber> grabber_;
-  StereoGrabber::Clock::time_point grabbed_;
+  std::string name_; ///< for messages
+  std::unique_ptr<FrameGrabber> grabber_;
+  FrameGrabber::Clock::time_point grabbed_;
   int damaged_ = 0;
 };
 

@@ -48,10 +48,11 @@ voxel map, its classes rendered into the camera's images, pictures and a summary
 
 const Usage live_usage{
     "pcl_semantic_live",
-    R"((SEQUENCE | --left 0 --right 2 --calibration FILE.yaml)
+    R"((SEQUENCE | --left 0 --right 2 --calibration FILE.yaml
+  | --rgbd DIR --intrinsics FX,FY,CX,CY)
   --output DIR (--labels DIR | --network FILE.yaml) [options])",
-    R"(Maps live frames until Ctrl-C, then finishes and writes the map. SEQUENCE is a folder
-that another program fills. --left and --right are cameras (0, /dev/video0), streams
+    R"(Maps live frames until Ctrl-C, then finishes and writes the map. SEQUENCE and
+--rgbd are folders that another program fills. --left and --right are cameras (0, /dev/video0), streams
 (rtsp://...) or videos; one camera with both images side by side is given as both. Maps
 the newest pair and drops earlier ones. Labels are fused when they are ready. No images
 of the frames are written.)",
@@ -59,6 +60,7 @@ of the frames are written.)",
   timeout --preserve-status -s INT 10 \
     pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",
     {{"left NAME, --right NAME", "cameras, streams or videos, instead of SEQUENCE"},
+     {"rgbd DIR", "folder with rgb/ and depth/, with --calibration or --intrinsics"},
      {"calibration FILE",
       "calibration of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
      {"every-frame", "map each pair of two videos"},
@@ -88,17 +90,18 @@ isOutput(const std::string& file, const std::string& folder)
          std::find(names.begin(), names.end(), *relative.begin()) != names.end();
 }
 
-// The inputs of a program; live frames are always stereo pairs.
+// The inputs of a program; live frames are of a stereo or RGB-D camera.
 ConfigParameters
 inputsOf(MapInputs& inputs, MapProgram program)
 {
   static const std::set<std::string> of_recordings = {
-      "clouds",       "rgbd",         "intrinsics", "depth_scale",
-      "depth_within", "scan_columns", "sensor",     "frames"};
+      "clouds", "depth_within", "scan_columns", "sensor", "frames"};
   static const std::map<std::string, std::string> live_help = {
       {"sequence", "folder in KITTI's odometry layout that another program fills"},
       {"left", "left camera (0, /dev/video0), stream (rtsp://...) or video, instead of "
                "SEQUENCE"},
+      {"rgbd", "folder with rgb/ and depth/ that another program fills, instead of "
+               "SEQUENCE; needs --calibration or --intrinsics"},
       {"right", "right camera, stream or video; the same name as --left if each image "
                 "holds both sides"},
       {"times", "time stamps of the images with --every-frame, one per line [s] "

@@ -122,6 +122,9 @@ bindCameras(py::module_& module)
       "read_camera",
       [](const Path& path) {
         const PinholeCamera camera = released([&] { return readPinholeCamera(path); });
+        if (camera.isDistorted())
+          badInput(path.text, ": has a distortion, expected the camera of undistorted "
+                              "images, with coefficients of 0");
         warnOf(camera.doubts);
         for (const std::string& doubt :
              doubtsOf(StereoCamera{camera.fx, camera.fy, camera.cx, camera.cy, 1.0,

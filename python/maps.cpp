@@ -4,6 +4,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/camera_doubts.h>
+#include <pcl_semantic/dataset/rgbd_frame.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/map_doubts.h>
@@ -13,6 +14,7 @@
 
 #include <pcl/common/io.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -323,6 +325,27 @@ public:
     return processFrame(frame, pose, [&] { labels_->distributions = distributions; });
   }
 
+  py::dict
+  processRgbd(const py::object& image, const py::object& depths, const py::object& pose,
+              const py::object& probabilities)
+  {
+    if (!camera_)
+      badParameter("RGB-D frames need the camera: SemanticMapper(camera=...)");
+    const cv::Mat pixels = imageOf(image, *camera_, "the image");
+    const py::array given = numbersOf(depths);
+    if (given.dtype().kind() != 'f')
+      badParameter("depths are no floats, expected metres: depths / 1000.0 if they are "
+                   "millimetres");
+    const Array<double> metres(given);
+    requireShape(metres, "depths", camera_->height, camera_->width);
+    cv::Mat1d values(camera_->height, camera_->width);
+    std::copy_n(metres.data(), metres.size(), values.begin());
+    const LabelDistributions distributions =
+        distributionsOf(probabilities, py::ssize_t(camera_->width) * camera_->height);
+    return processFrame(rgbdFrameOf(pixels, values, *camera_), pose,
+                        [&] { labels_->distributions = distributions; });
+  }
+
   void
   finish()
   {
@@ -446,6 +469,12 @@ bindMaps(py::module_& module)
            py::arg("pose"), py::arg("probabilities"),
            "Adds a rectified stereo pair (H x W, or x 3 red green blue), the pose "
            "of\nthe left camera and H W x L probabilities of the left image's pixels.")
+      .def("process_rgbd", &Mapper::processRgbd, py::arg("image"), py::arg("depths"),
+           py::arg("pose"), py::kw_only(), py::arg("probabilities") = py::none(),
+           "Adds an undistorted image (H x W, or x 3 red green blue) with its depths\n"
+           "(H x W [m]; 0 or NaN = none), the pose of the camera and, if there are\n"
+           "any, H x W x L probabilities of its pixels. The camera's baseline is\n"
+           "ignored.")
       .def("finish", &Mapper::finish,
            "Refines the last frame, if the CRF has not seen it.");
   bindReading(mapper);

@@ -305,6 +305,29 @@ class Mapper(unittest.TestCase):
         self.assertEqual(set(voxels["labels"]), {5})
         self.assertAlmostEqual(np.median(voxels["points"][:, 2]), 25 / 8, delta=0.1)
 
+    def test_an_rgbd_frame_becomes_voxels(self):
+        camera = [50, 50, 30, 20, 1, 60, 40]
+        depths = np.full((40, 60), 2.0)
+        depths[0] = [0, np.nan] * 30
+        image = np.zeros((40, 60, 3), np.uint8)
+        image[:] = 10, 20, 30
+        probabilities = np.zeros((2400, 11))
+        probabilities[:, 4] = 1
+        for labels in (None, probabilities):
+            mapper = pcl_semantic.SemanticMapper(LABEL_SET, crf="none", camera=camera)
+            frame = mapper.process_rgbd(image, depths, np.eye(4), probabilities=labels)
+            voxels = frame["voxels"]
+            self.assertEqual(frame["invalid"], 60)
+            self.assertAlmostEqual(np.median(voxels["points"][:, 2]), 2, delta=0.1)
+            self.assertEqual(list(voxels["colours"][0]), [10, 20, 30])
+            self.assertEqual(set(voxels["labels"]), {0} if labels is None else {5})
+        with self.assertRaisesRegex(ValueError, "depths are no floats, expected metres"):
+            mapper.process_rgbd(image, (1000 * np.ones((40, 60))).astype(np.uint16), np.eye(4))
+        with self.assertRaisesRegex(ValueError, "depths"):
+            mapper.process_rgbd(image, depths[1:], np.eye(4))
+        with self.assertRaisesRegex(ValueError, "RGB-D frames need the camera"):
+            pcl_semantic.SemanticMapper(LABEL_SET).process_rgbd(image, depths, np.eye(4))
+
 
 class Cameras(unittest.TestCase):
     K = "K: [400, 0, 320, 0, 401, 240, 0, 0, 1]\n"

@@ -109,7 +109,7 @@ public:
     return has_ended_;
   }
 
-  StereoFrame
+  SensorFrame
   retrieve() override
   {
     if (is_lost_)

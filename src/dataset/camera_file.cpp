@@ -2,6 +2,7 @@
 #include "camera_file.h"
 
 #include "core/fail.h"
+#include "core/split.h"
 
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/files/input_file.h>
@@ -208,6 +209,24 @@ readKittiCamera(const std::string& path)
   return camera;
 }
 
+// One line with fx fy cx cy, as ETH3D's calibration.txt; nothing for another file.
+std::optional<CameraFile>
+readIntrinsicsLine(const std::string& path)
+{
+  std::vector<TextLine> lines = readLines(path);
+  while (!lines.empty() && lines.back().text.empty())
+    lines.pop_back();
+  if (lines.size() != 1 || wordsOf(lines[0].text).size() != 4)
+    return std::nullopt;
+  const std::vector<double> values =
+      parseNumbers(lines[0].text, atLine(path, lines[0].number));
+  CameraFile camera;
+  camera.path = path;
+  camera.K << values[0], 0, values[2], 0, values[1], values[3], 0, 0, 1;
+  camera.D.assign(4, 0.0);
+  return camera;
+}
+
 void
 doubtOtherCameras(const YamlMap& file, CameraFile& camera)
 {
@@ -386,8 +405,10 @@ readCameraFile(const std::string& path)
 {
   if (isMiddlebury(path))
     return readMiddlebury(path).left;
-  if (std::filesystem::path(path).extension() == ".txt")
-    return readKittiCamera(path);
+  if (std::filesystem::path(path).extension() == ".txt") {
+    const std::optional<CameraFile> line = readIntrinsicsLine(path);
+    return line ? *line : readKittiCamera(path);
+  }
   const CalibrationSource file = CalibrationSource::load(path);
   if (file.map.isMap("cam0")) {
     CameraFile camera = readYamlCamera(file.inner("cam0"));

@@ -17,7 +17,8 @@ CameraImages::CameraImages(const std::string& pattern, const PinholeCamera& came
   for (std::size_t i = 0; i < paths.size(); ++i)
     paths_[numbers.empty() ? int(i) : numbers[i]] = paths[i];
   const cv::Mat first = readImage(paths.front());
-  camera_ = camera.ofImage(first.cols, first.rows, paths.front());
+  undistorter_.emplace(camera, first.cols, first.rows, paths.front());
+  camera_ = undistorter_->camera();
 }
 
 CameraImages::CameraImages(std::map<int, std::string> paths, const StereoCamera& camera,
@@ -31,8 +32,9 @@ CameraImages::image(int frame) const
   const auto found = paths_.find(frame);
   if (found == paths_.end())
     fail<BadInputException>(name_, ": has no image of frame ", frame);
-  return readImage(found->second, {camera_.width, camera_.height},
-                   " as " + paths_.begin()->second);
+  const cv::Mat image = readImage(found->second, {camera_.width, camera_.height},
+                                  " as " + paths_.begin()->second);
+  return undistorter_ ? undistorter_->undistort(image) : image;
 }
 
 } // namespace pcl_semantic

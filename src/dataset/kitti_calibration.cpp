@@ -117,8 +117,9 @@ rigidTransformation(const Row& row)
 KittiCalibration
 readKittiCalibration(const std::string& path, KittiCameras cameras)
 {
-  const bool grey = cameras == KittiCameras::grey;
   const std::map<std::string, Row> rows = readRows(path);
+  const bool has_one_pair = rows.count("P0") && !rows.count("P2"); // KITTI-360
+  const bool grey = cameras == KittiCameras::grey || has_one_pair;
   const auto find = [&](const char* name) -> const Row& {
     const auto row = rows.find(name);
     if (row == rows.end())

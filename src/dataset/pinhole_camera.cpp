@@ -8,7 +8,9 @@
 
 #include <pcl_semantic/core/parse_number.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string_view>
 #include <vector>
 
@@ -43,6 +45,16 @@ PinholeCamera::validate() const
                                     " px, expected positive focal lengths");
   if (width < 0 || height < 0 || (width == 0) != (height == 0))
     badParameter("camera: the image size is ", width, " x ", height, " pixels");
+  const std::size_t coefficients = distortion.size();
+  const std::initializer_list<std::size_t> counts = {0, 4, 5, 8, 12, 14};
+  if (is_fisheye
+          ? coefficients != 4
+          : std::find(counts.begin(), counts.end(), coefficients) == counts.end())
+    badParameter("camera: has ", coefficients, " distortion coefficients, expected ",
+                 is_fisheye ? "4" : "0, 4, 5, 8, 12 or 14");
+  for (const double coefficient : distortion)
+    if (!std::isfinite(coefficient))
+      badParameter("camera: a distortion coefficient is not finite");
 }
 
 StereoCamera
@@ -63,19 +75,21 @@ PinholeCamera
 readPinholeCamera(const std::string& path)
 {
   CameraFile file = readCameraFile(path);
-  if (file.is_fisheye)
-    badInput(path,
-             ": is a fisheye's ('equidistant'), expected the camera of undistorted "
-             "images; cv::fisheye::undistortImage() makes them");
-  if (file.isDistorted())
-    badInput(file.distortion,
-             ": the images have to be undistorted, with coefficients of 0 (and P as "
-             "their matrix, if it is not K)");
   doubtPair(file);
   const Eigen::Matrix3d K =
       file.isRectified() ? Eigen::Matrix3d(file.P->leftCols<3>()) : file.K;
   PinholeCamera camera{K(0, 0),     K(1, 1),   K(0, 2),   K(1, 2),    file.width,
                        file.height, file.path, file.size, file.doubts};
+  if (file.isDistorted()) {
+    camera.distortion = file.D;
+    camera.is_fisheye = file.is_fisheye;
+    camera.doubts.push_back(
+        file.distortion +
+        (file.is_fisheye
+             ? ": the images of this fisheye are undistorted; is it not done already?"
+             : ": the images are undistorted with these coefficients; if they are "
+               "already (ROS' image_rect), state zeros, and P as K"));
+  }
   readFrom(path, [&] { camera.validate(); });
   return camera;
 }

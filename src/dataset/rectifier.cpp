@@ -3,6 +3,7 @@
 
 #include "camera_file.h"
 #include "core/fail.h"
+#include "lens_maps.h"
 #include "stereo_pair_reader.h"
 
 #include <opencv2/calib3d.hpp>
@@ -15,13 +16,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-// Maximum change of scale by rectification. A larger one means a badly fitted
-// distortion polynomial.
-constexpr double kScale = 8.0;
-
-constexpr int kStep = 8;         // [px] between checked pixels
-constexpr double kUsable = 0.95; // required fraction of valid ones
 
 // A rig in OpenCV's types, and the result of stereoRectify.
 struct Rectification {
@@ -63,34 +57,9 @@ cameraOf(const StereoRig& rig, const Rectification& result)
   const StereoCamera camera{
       P1(0, 0),  P1(1, 1),  P1(0, 2), P1(1, 2), -P2(0, 3) / P1(0, 0),
       rig.width, rig.height};
-  const double scale = camera.fx / rig.K1(0, 0);
-  if (!(scale < kScale && scale > 1.0 / kScale))
-    fail<InvalidParameterException>("rectified images would have a focal length of ",
-                                    camera.fx, " px instead of ", rig.K1(0, 0),
-                                    " px; check K, D, R and T");
+  requireFocalLength(camera.fx, rig.K1(0, 0), "check K, D, R and T");
   camera.validate();
   return camera;
-}
-
-// Polynomials fold an image where they were not fitted; OpenCV does not check this.
-void
-requireUsable(const cv::Mat2s& whole, const char* name)
-{
-  const cv::Rect image({}, whole.size());
-  int usable = 0, all = 0;
-  for (int y = 0; y + kStep < whole.rows; y += kStep)
-    for (int x = 0; x + kStep < whole.cols; x += kStep) {
-      const cv::Vec2s& here = whole(y, x);
-      const cv::Vec2i right = cv::Vec2i(whole(y, x + kStep)) - cv::Vec2i(here);
-      const cv::Vec2i below = cv::Vec2i(whole(y + kStep, x)) - cv::Vec2i(here);
-      const bool keeps_sides = right[0] * below[1] - right[1] * below[0] > 0;
-      usable += keeps_sides && image.contains(cv::Point(here));
-      ++all;
-    }
-  if (usable < kUsable * all)
-    fail<InvalidParameterException>("only ", 100 * usable / std::max(all, 1),
-                                    " % of the ", name,
-                                    " image can be rectified; check K, D, R and T");
 }
 
 } // namespace
@@ -113,19 +82,15 @@ Rectifier::Rectifier(const StereoRig& rig)
     cv::cv2eigen(result.R1, R1);
     T_left_rectified_.linear() = R1.transpose();
     const cv::Size size(rig.width, rig.height);
-    const auto initMaps = [&](const cv::Mat& K, const cv::Mat& D, const cv::Mat& R,
-                              const cv::Mat& P, Maps& maps) {
-      if (rig.is_fisheye)
-        cv::fisheye::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.whole,
-                                             maps.fraction);
-      else
-        cv::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.whole,
-                                    maps.fraction);
+    const auto mapsOf = [&](const cv::Mat& K, const cv::Mat& D, const cv::Mat& R,
+                            const cv::Mat& P, const std::string& name) {
+      const LensMaps maps = lensMapsOf({K, D, rig.is_fisheye}, R, P, size);
+      requireUsable(maps,
+                    "the " + name + " image can be rectified; check K, D, R and T");
+      return Maps{maps.whole, maps.fraction};
     };
-    initMaps(result.K1, result.D1, result.R1, result.P1, maps_[0]);
-    initMaps(result.K2, result.D2, result.R2, result.P2, maps_[1]);
-    requireUsable(maps_[0].whole, "left");
-    requireUsable(maps_[1].whole, "right");
+    maps_[0] = mapsOf(result.K1, result.D1, result.R1, result.P1, "left");
+    maps_[1] = mapsOf(result.K2, result.D2, result.R2, result.P2, "right");
   }
   catch (const cv::Exception& error) { // its message has several lines
     fail<InvalidParameterException>("the rig cannot be rectified: ", error.err);

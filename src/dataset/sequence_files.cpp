@@ -56,7 +56,9 @@ SequenceFiles::inputs() const
 ConfigParameters
 parametersOf(SequenceFiles& files)
 {
-  return {{"sequence", "folder in the layout of KITTI's odometry benchmark or of EuRoC",
+  return {{"sequence",
+           "folder in the layout of KITTI's odometry benchmark, EuRoC, KITTI-360 or "
+           "Middlebury",
            &files.folder},
           {"left",
            "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
@@ -82,16 +84,22 @@ parametersOf(SequenceFiles& files)
 
 namespace {
 
-// The files of a folder in the layout of EuRoC (ASL); empty if it has another one.
+// The files of a folder in another layout than KITTI's odometry benchmark; empty if it
+// has none of them.
 ImagePairFiles
-filesOfEuroc(const std::string& folder)
+filesOfOtherLayout(const std::string& folder)
 {
-  for (const std::string& base : {folder + "/mav0", folder}) {
+  for (const std::string& base : {folder + "/mav0", folder}) { // EuRoC (ASL)
     const std::string left = base + "/cam0", right = base + "/cam1";
     if (isFolder(left + "/data"))
       return {left + "/data", right + "/data", left + "/sensor.yaml",
               right + "/sensor.yaml", ""};
   }
+  if (isThere(folder + "/im0.png")) // Middlebury, ETH3D
+    return {folder + "/im0.png", folder + "/im1.png", folder + "/calib.txt", "", ""};
+  if (isFolder(folder + "/image_00/data_rect")) // KITTI-360
+    return {folder + "/image_00/data_rect", folder + "/image_01/data_rect",
+            folder + "/../../calibration/perspective.txt", "", ""};
   return {};
 }
 
@@ -108,12 +116,11 @@ openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
     badParameter(
         files.files.left,
         ": is a video, expected images; pcl_semantic_live --every-frame maps videos");
-  const ImagePairFiles euroc =
-      files.hasFiles() ? ImagePairFiles() : filesOfEuroc(files.folder);
-  if (!files.hasFiles() && euroc.left.empty())
+  const ImagePairFiles pair_files =
+      files.hasFiles() ? files.files : filesOfOtherLayout(files.folder);
+  if (pair_files.left.empty())
     return std::make_unique<KittiSequence>(files.folder);
-  auto pairs =
-      std::make_unique<ImagePairSequence>(files.hasFiles() ? files.files : euroc);
+  auto pairs = std::make_unique<ImagePairSequence>(pair_files);
   doubts.insert(doubts.end(), pairs->doubts().begin(), pairs->doubts().end());
   return pairs;
 }

@@ -7,6 +7,7 @@
 #include <pcl_semantic/files/input_file.h>
 
 #include <boost/algorithm/string/case_conv.hpp>
+#include <boost/algorithm/string/predicate.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -106,6 +107,18 @@ findFiles(const std::string& pattern, const std::vector<std::string>& extensions
                                        : globbed(pattern);
   std::sort(files.begin(), files.end(), naturalLess);
   return files;
+}
+
+std::vector<std::string>
+filesEndingIn(const std::string& ending, const std::string& folder)
+{
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (boost::algorithm::ends_with(entry.path().filename().string(), ending))
+      found.push_back(entry.path().string());
+  std::sort(found.begin(), found.end(), naturalLess);
+  return found;
 }
 
 bool

@@ -16,6 +16,11 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 std::vector<std::string> findFiles(const std::string& pattern,
                                    const std::vector<std::string>& extensions);
 
+/** \brief The files of a folder whose names have an ending, in natural order. Empty if
+ * there are none, or if the folder cannot be read. */
+std::vector<std::string> filesEndingIn(const std::string& ending,
+                                       const std::string& folder);
+
 /** \brief Natural order: numbers by value, "frame2" before "frame10". */
 bool naturalLess(const std::string& a, const std::string& b);
 

@@ -2,6 +2,9 @@
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include "core/fail.h"
+#include "core/split.h"
+#include "files/file_pattern.h"
+#include "files/is_there.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -10,12 +13,17 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 
 namespace pcl_semantic {
 
 namespace {
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+
+constexpr const char* kPosesOf7Scenes = ".pose.txt";
 
 constexpr double kRounding = 1e-6;     // of double precision
 constexpr double kTextRounding = 1e-4; // of numbers with few digits
@@ -25,13 +33,13 @@ constexpr double kNanoseconds = 1e17; // as seconds, 3 billion years
 // Corrections while reading a file, reported in one warning.
 struct Repairs {
   std::size_t count = 0;
-  int first_line = 0;
+  std::string first;
 
   void
-  add(int line)
+  add(const std::string& where)
   {
     if (count++ == 0)
-      first_line = line;
+      first = where;
   }
 
   void
@@ -41,8 +49,7 @@ struct Repairs {
     if (count > 0 && doubts)
       doubts->push_back(
           path + ": " + std::to_string(count) + " of " + std::to_string(poses) +
-          " poses were not exactly rigid and were corrected, the first in line " +
-          std::to_string(first_line));
+          " poses were not exactly rigid and were corrected, the first in " + first);
   }
 };
 
@@ -74,6 +81,35 @@ inSeconds(double time)
   return std::abs(time) >= kNanoseconds ? 1e-9 * time : time;
 }
 
+std::string
+lineText(int number)
+{
+  return "line " + std::to_string(number);
+}
+
+// \param[in] rows the upper 3 x 4 of a pose
+// \param[in] where for the message, and in \a repairs as \a place
+Eigen::Isometry3d
+poseOf(const RowMajor34& rows, const std::string& where, const std::string& place,
+       Repairs& repairs)
+{
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = rows.col(3);
+  pose.linear() = rows.leftCols<3>();
+  const double deviation =
+      (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(deviation <= kTolerance) || pose.linear().determinant() < 0.0)
+    badInput(where, ": the left 3 x 3 block is no rotation");
+  if (deviation > kTextRounding)
+    repairs.add(place);
+  if (deviation > kRounding) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(pose.linear(), Eigen::ComputeFullU |
+                                                                   Eigen::ComputeFullV);
+    pose.linear() = svd.matrixU() * svd.matrixV().transpose();
+  }
+  return pose;
+}
+
 Eigen::Isometry3d
 parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
@@ -84,22 +120,43 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 12)
     badInput(where, ": has ", numbers.size(), " numbers, expected 12 (a 3 x 4 pose)");
-  const Eigen::Map<const RowMajor34> rows(numbers.data());
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = rows.col(3);
-  pose.linear() = rows.leftCols<3>();
-  const double deviation =
-      (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(deviation <= kTolerance) || pose.linear().determinant() < 0.0)
-    badInput(where, ": the left 3 x 3 block is no rotation");
-  if (deviation > kTextRounding)
-    repairs.add(line.number);
-  if (deviation > kRounding) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(pose.linear(), Eigen::ComputeFullU |
-                                                                   Eigen::ComputeFullV);
-    pose.linear() = svd.matrixU() * svd.matrixV().transpose();
-  }
-  return pose;
+  return poseOf(RowMajor34(numbers.data()), where, lineText(line.number), repairs);
+}
+
+// A file with the 4 x 4 matrix of one pose. Where tracking failed, it has infinities or
+// NaN, which old programs for Windows wrote as "-1.#IND".
+Eigen::Isometry3d
+readPoseFile(const std::string& path, Repairs& repairs)
+{
+  std::vector<double> numbers;
+  for (const TextLine& line : readLines(path))
+    for (const std::string_view word : wordsOf(line.text))
+      numbers.push_back(
+          word.find(".#") != std::string_view::npos
+              ? std::numeric_limits<double>::quiet_NaN()
+              : parseNumber(std::string(word), atLine(path, line.number)));
+  if (numbers.size() != 16)
+    badInput(path, ": has ", numbers.size(), " numbers, expected 16 (a 4 x 4 pose)");
+  Eigen::Isometry3d lost;
+  lost.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (!std::all_of(numbers.begin(), numbers.end(),
+                   [](double number) { return std::isfinite(number); }))
+    return lost;
+  if (!std::equal(numbers.begin() + 12, numbers.end(),
+                  std::array{0., 0., 0., 1.}.begin()))
+    badInput(path, ": the last row of its matrix is not 0 0 0 1");
+  return poseOf(RowMajor34(numbers.data()), path, path, repairs);
+}
+
+// The i-th file has the pose of frame i.
+std::vector<std::string>
+poseFilesIn(const std::string& folder)
+{
+  const std::vector<std::string> files =
+      filesEndingIn(holdsPosesOf7Scenes(folder) ? kPosesOf7Scenes : ".txt", folder);
+  if (files.empty())
+    badInput(folder, ": has no file of a pose, *.txt");
+  return files;
 }
 
 TimedPose
@@ -117,7 +174,7 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   if (!(deviation <= kTolerance))
     badInput(where, ": the quaternion has length ", rotation.norm(), ", expected 1");
   if (deviation > kTextRounding)
-    repairs.add(line.number);
+    repairs.add(lineText(line.number));
   timed.pose.linear() = rotation.normalized().toRotationMatrix();
   timed.pose.translation() << numbers[1], numbers[2], numbers[3];
   return timed;
@@ -140,9 +197,17 @@ refuseOtherTrajectories(const std::string& text, const std::string& path, int nu
 
 } // namespace
 
+bool
+holdsPosesOf7Scenes(const std::string& path)
+{
+  return isFolder(path) && !filesEndingIn(kPosesOf7Scenes, path).empty();
+}
+
 TrajectoryFormat
 trajectoryFormatOf(const std::string& path)
 {
+  if (isFolder(path))
+    return TrajectoryFormat::kitti;
   for (const TextLine& line : readLines(path)) {
     if (line.text.empty() || isComment(line.text))
       continue;
@@ -163,8 +228,12 @@ readKittiTrajectory(const std::string& path, std::vector<std::string>* doubts)
 {
   Repairs repairs;
   Trajectory trajectory;
-  for (const TextLine& line : rowsOf(path))
-    trajectory.push_back(parsePose(line, path, repairs));
+  if (isFolder(path))
+    for (const std::string& file : poseFilesIn(path))
+      trajectory.push_back(readPoseFile(file, repairs));
+  else
+    for (const TextLine& line : rowsOf(path))
+      trajectory.push_back(parsePose(line, path, repairs));
   if (trajectory.empty())
     badInput(path, ": holds no pose");
   repairs.addTo(doubts, path, trajectory.size());

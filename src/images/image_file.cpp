@@ -82,7 +82,8 @@ ruleOf(ImageKind kind)
       {{CV_8UC1, CV_8UC3}, "8-bit grey or 8-bit RGB"},
       {{CV_8UC1}, "8-bit grey (class ids)"},
       {{CV_8UC1, CV_16UC1}, "8-bit or 16-bit grey (numbers of segments)"},
-      {{CV_16UC1}, "16-bit grey (depths, or disparities)"}};
+      {{CV_16UC1}, "16-bit grey (disparities)"},
+      {{CV_16UC1, CV_32FC1}, "16-bit grey, or 32-bit float TIFF (depths)"}};
   return rules[std::size_t(kind)];
 }
 
@@ -124,6 +125,49 @@ decode(const Bytes& bytes, int flags)
   }
 }
 
+// Decodes a JPEG or TIFF image, whose headers do not always state their size.
+cv::Mat
+decodeOther(const Bytes& bytes, int flags, const char* format, ImageKind kind,
+            cv::Size size, const std::string& like, const std::string& path)
+{
+  requirePlausibleSize(bytes, path);
+  requireSize(statedSize(bytes), size, like, path);
+  const QuietOpenCv quiet;
+  const cv::Mat image = decode(bytes, flags);
+  if (image.cols < 2 || image.rows < 2)
+    badInput(path, ": the ", format, " image is damaged");
+  requireSize(sizeOf(image), size, like, path);
+  requireKind(image, kind, path);
+  return image;
+}
+
+cv::Mat
+readJpeg(const std::string& path, cv::Size size, const std::string& like)
+{
+  const Bytes bytes = readBytes(path);
+  requireWholeJpeg(bytes, path);
+  return decodeOther(bytes, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION, "JPEG",
+                     ImageKind::grey_or_colour, size, like, path);
+}
+
+bool
+isTiff(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".tif" || extension == ".tiff";
+}
+
+cv::Mat
+readTiff(const std::string& path, ImageKind kind, cv::Size size,
+         const std::string& like)
+{
+  const Bytes bytes = readBytes(path);
+  if (bytes.size() < 8 ||
+      (!beginsWith(bytes, {'I', 'I', 42, 0}) && !beginsWith(bytes, {'M', 'M', 0, 42})))
+    badInput(path, ": is not a TIFF image");
+  return decodeOther(bytes, cv::IMREAD_UNCHANGED, "TIFF", kind, size, like, path);
+}
+
 } // namespace
 
 const std::vector<std::string>&
@@ -138,27 +182,17 @@ cv::Mat
 readImage(const std::string& path, cv::Size size, const std::string& like)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
-  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
-  if (!is_jpeg && extension != ".tif" && extension != ".tiff")
-    return readPng(path, ImageKind::grey_or_colour, size, like);
-  const Bytes bytes = readBytes(path);
-  if (is_jpeg)
-    requireWholeJpeg(bytes, path);
-  else if (bytes.size() < 8 || (!beginsWith(bytes, {'I', 'I', 42, 0}) &&
-                                !beginsWith(bytes, {'M', 'M', 0, 42})))
-    badInput(path, ": is not a TIFF image");
-  requirePlausibleSize(bytes, path);
-  requireSize(statedSize(bytes), size, like, path);
-  const QuietOpenCv quiet;
-  const cv::Mat image =
-      decode(bytes, is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
-                            : cv::IMREAD_UNCHANGED);
-  if (image.cols < 2 || image.rows < 2)
-    badInput(path, ": the ", is_jpeg ? "JPEG" : "TIFF", " image is damaged");
-  requireSize(sizeOf(image), size, like, path); // the header check does not cover all
-                                                // of these files
-  requireKind(image, ImageKind::grey_or_colour, path);
-  return image;
+  if (extension == ".jpg" || extension == ".jpeg")
+    return readJpeg(path, size, like);
+  return isTiff(path) ? readTiff(path, ImageKind::grey_or_colour, size, like)
+                      : readPng(path, ImageKind::grey_or_colour, size, like);
+}
+
+cv::Mat
+readDepthImage(const std::string& path, cv::Size size, const std::string& like)
+{
+  return isTiff(path) ? readTiff(path, ImageKind::depth, size, like)
+                      : readPng(path, ImageKind::depth, size, like);
 }
 
 cv::Mat

@@ -149,16 +149,27 @@ openStereo(const MapInputs& inputs, const MapperConfig& config,
   openPoses(poses == "odometry" ? "" : poses, opened, inputs.pose_gap);
 }
 
+NamedValues
+valuesOf(RgbdFiles files)
+{
+  NamedValues values;
+  for (const ConfigParameter& each : parametersOf(files))
+    values.emplace_back(each.name, each.text());
+  return values;
+}
+
 void
 openLive(const MapInputs& inputs, const MapperConfig& config,
          const InputOpeners& openers, OpenedInputs& opened)
 {
   const NamedValues labels = openLabels(inputs, config, openers, opened);
   const std::string poses = inputs.poses == "auto" ? "odometry" : inputs.poses;
+  const bool is_rgbd = !inputs.rgbd.folder.empty();
   std::optional<StoredTrajectory> trajectory;
-  if (poses != "odometry") // checks it before waiting for the first pair
-    trajectory = readTrajectory(poses, PoseFrame::first_camera);
-  opened.source = openers.live(inputs.sequence);
+  if (poses != "odometry") // checks it before waiting for the first frame
+    trajectory =
+        readTrajectory(poses, is_rgbd ? PoseFrame::camera : PoseFrame::first_camera);
+  opened.source = openers.live(inputs);
   if (trajectory) {
     append(opened.doubts, trajectory->doubts);
     opened.poses =
@@ -167,6 +178,8 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
   else
     openPoses("", opened);
   opened.values = inputs.sequence.inputs();
+  if (is_rgbd)
+    append(opened.values, valuesOf(inputs.rgbd));
   append(opened.values, {{"live", "true"}, {"poses", poses}});
   addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
@@ -185,6 +198,10 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
   if (inputs.given.count("depth-within") > 0 && !sequence->isTum())
     badParameter("--depth-within has no effect on folders rgb and depth, whose names "
                  "match");
+  if (sequence->isDistorted() && !inputs.labels.empty())
+    opened.doubts.push_back(inputs.labels +
+                            ": labels have to be of the undistorted images; "
+                            "pcl_semantic_label --rgbd --calibration stores these");
   const std::string poses = choosePoses(inputs, sequence->posesPath());
   if (poses != "odometry" && !sequence->hasTimes() &&
       trajectoryFormatOf(poses) == TrajectoryFormat::tum)
@@ -195,20 +212,11 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
                             " has times: do they match? TUM's rgb.txt "
                             "gives the times of images");
   opened.values = inputs.sequence.inputs();
-  RgbdFiles files = inputs.rgbd;
-  for (const ConfigParameter& each : parametersOf(files))
-    opened.values.emplace_back(each.name, each.text());
+  append(opened.values, valuesOf(inputs.rgbd));
   opened.values.emplace_back("poses", poses);
   addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
-  opened.has_odometry = poses == "odometry";
-  if (opened.has_odometry)
-    opened.poses = std::make_unique<StereoOdometry>(
-        StereoOdometry::cameraOfDepths(sequence->camera()),
-        Eigen::Isometry3d::Identity(), StereoOdometry::parametersOfDepths());
-  else
-    opened.poses =
-        readSensorPoses(poses, PoseFrame::camera, inputs.pose_gap, &opened.doubts);
+  openPoses(poses == "odometry" ? "" : poses, opened, inputs.pose_gap);
 }
 
 // Reads a cloud whose labels do not matter.
@@ -360,9 +368,16 @@ openPoses(const std::string& trajectory, OpenedInputs& opened, double pose_gap)
 {
   const FrameSensor& sensor = opened.source->sensor();
   opened.has_odometry = trajectory.empty();
-  if (opened.has_odometry)
+  if (opened.has_odometry && sensor.has_depth)
+    opened.poses = std::make_unique<StereoOdometry>(
+        StereoOdometry::cameraOfDepths(*sensor.camera), sensor.T_camera0_sensor,
+        StereoOdometry::parametersOfDepths());
+  else if (opened.has_odometry)
     opened.poses =
         std::make_unique<StereoOdometry>(*sensor.camera, sensor.T_camera0_sensor);
+  else if (sensor.has_depth)
+    opened.poses =
+        readSensorPoses(trajectory, PoseFrame::camera, pose_gap, &opened.doubts);
   else
     opened.poses =
         readPoses(trajectory, sensor.T_camera0_sensor, pose_gap, &opened.doubts);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "support/bad_case.h"
-#include "support/onnx_writer.h"
 #include "support/rgbd_street.h"
 #include "support/same_image.h"
+#include "support/street_network.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -18,19 +19,6 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 namespace {
-
-// A network of four channels beside a street: net.yaml and net.onnx.
-void
-addNetwork(const std::string& street)
-{
-  PointwiseNetwork network;
-  network.channels = 4;
-  network.weights = {2, -1, 0.5f, -2, 1, 1, 0.25f, 0.5f, -3, 1, 1, 1};
-  network.bias = {0.1f, -0.2f, 0.3f, -5.0f};
-  std::ofstream(street + "/net.onnx", std::ios::binary) << network.file();
-  std::ofstream(street + "/net.yaml")
-      << smallNetworkYaml("net.onnx", "road, car, building, '-'");
-}
 
 const std::string tool = "label STREET --network STREET/net.yaml ";
 
@@ -93,6 +81,8 @@ TEST(LabelTool, SingleImagesAreLabelledAsThoseOfAPair)
            {"exclude each other", street + " --images x"},
            {"exclude each other", "--rgbd x --images y"},
            {"--left has no effect with --images or --rgbd", "--rgbd x --left y"},
+           {"--intrinsics has no effect without --clouds and --left",
+            "--images x --intrinsics 1,1,1,1"},
            {"--depth-within has no effect without --rgbd",
             "--images x --depth-within 1"}})
     EXPECT_TRUE(
@@ -176,14 +166,20 @@ TEST(LabelTool, AScannersPointsGetTheLabelsOfTheirPixels)
   copyStreet(street);
   addReturns(street);
   describeCamera(street);
+  const StereoCamera camera = KittiSequence(street).camera();
+  TextStream intrinsics;
+  intrinsics.precision(17);
+  intrinsics << camera.fx << "," << camera.fy << "," << camera.cx << "," << camera.cy;
   for (const std::string& command :
-       {carry + "STREET -o OUT", own + "--sensor-pose STREET/scanner.txt -o OWN"}) {
+       {carry + "STREET -o OUT", own + "--sensor-pose STREET/scanner.txt -o OWN",
+        carry + "--left STREET/image_2 --intrinsics " + intrinsics.str() +
+            " --sensor-pose STREET/scanner.txt -o OWN/numbers"}) {
     succeed(replaceAll(
         replaceAll(replaceAll(command, "STREET", street), "OUT", folder.path("out")),
         "OWN", folder.path("own")));
   }
-  EXPECT_EQ(bytesOf(folder.path("own/000001.pcd")),
-            bytesOf(folder.path("out/000001.pcd")));
+  for (const char* const name : {"own/000001.pcd", "own/numbers/000001.pcd"})
+    EXPECT_EQ(bytesOf(folder.path(name)), bytesOf(folder.path("out/000001.pcd")));
   const LabelledCloud cloud = readLabelledCloud(folder.path("out/000001.pcd"));
   const LabelDistributions pixels =
       readDistributions(street + "/labels/000001.bin", 208, 64, 11, 0.8f);
@@ -228,7 +224,7 @@ TEST(LabelTool, BadCarrying)
       {{2, "--left needs --sensor-pose", own + "-o OUT", damage},
        {2, "--right has no effect with --clouds",
         own + pose + "--right STREET/image_3 -o OUT", damage},
-       {2, "--left needs --calibration",
+       {2, "--left needs --calibration or --intrinsics",
         carry + "--left STREET/image_2 " + pose + "-o OUT", damage},
        {2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
        {2, "--occlusion-window is '3'", carry + "STREET --occlusion-window 3 -o OUT",

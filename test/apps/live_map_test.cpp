@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/mapped_street.h"
+#include "support/rgbd_street.h"
 
 #include <pcl_semantic/files/trajectory_file.h>
 
@@ -73,6 +74,28 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
   EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
   EXPECT_TRUE(fs::exists(map + "/top_view.png"));
   EXPECT_FALSE(fs::exists(map + "/labels"));
+}
+
+TEST_F(LiveMap, GrowsWithTheFolderOfAnRgbdCamera)
+{
+  copyStreet(street);
+  makeRgbd(street);
+  const std::string colours = street + "/rgbd/rgb", kept = folder.path("kept");
+  fs::rename(colours, kept);
+  fs::create_directories(colours);
+  std::string fill;
+  for (const std::string frame : {"0", "1", "2"})
+    fill += "cp " + kept + "/00000" + frame + ".png " + colours + "; " +
+            waitFor("live: frame " + frame);
+  const ToolResult result = runShell(
+      start("--rgbd " + street + "/rgbd --calibration " + street + "/camera.yaml",
+            street + "/labels", " --poses " + street + "/world.txt") +
+      waitFor("waiting for the first pair of images in rgb and depth") + fill +
+      "kill -INT $!; wait $!; code=$?; cat " + log + "; exit $code");
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_TRUE(holds(result.text, "frames: 3"));
+  EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
+  EXPECT_GT(readJson(map + "/summary.json")["voxels"], 100);
 }
 
 // Of a finger that was too quick; and the archive that goes with the map.

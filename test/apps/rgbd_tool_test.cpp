@@ -3,6 +3,7 @@
 #include "support/bad_case.h"
 #include "support/map_folder.h"
 #include "support/rgbd_street.h"
+#include "support/street_network.h"
 
 #include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
@@ -126,6 +127,43 @@ TEST(RgbdMap, NeedsNeitherLabelsNorPosesNorACameraFile)
   ASSERT_EQ(found.size(), 3u);
   const double path = (truth[2].translation() - truth[0].translation()).norm();
   EXPECT_NEAR(found[2].translation().norm(), path, 0.03 * path);
+}
+
+// The same undistorted images everywhere, though this lens did not take them.
+TEST(RgbdMap, ImagesOfALensAreUndistorted)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  addNetwork(street);
+  makeRgbd(street);
+  fs::copy(street + "/camera.yaml", street + "/lens.yaml");
+  std::ofstream(street + "/lens.yaml", std::ios::app) << "D: [-0.05, 0, 0, 0]\n";
+  const auto command = [&](const std::string& text, const std::string& out) {
+    return replaceAll(replaceAll(text, "STREET", street), "OUT", folder.path(out));
+  };
+  const std::string told = "lens.yaml line 2: D: the images are undistorted";
+  EXPECT_TRUE(
+      holds(succeed(command("label --rgbd STREET/rgbd --calibration STREET/lens.yaml "
+                            "--network STREET/net.yaml --output OUT",
+                            "labels")),
+            told));
+  succeed(command("label --rgbd STREET/rgbd --network STREET/net.yaml --output OUT",
+                  "distorted"));
+  EXPECT_NE(bytesOf(folder.path("labels/000001.npy")),
+            bytesOf(folder.path("distorted/000001.npy")));
+  const std::string map =
+      "map --rgbd STREET/rgbd --calibration STREET/lens.yaml --poses "
+      "STREET/world.txt --output OUT ";
+  const std::string stored =
+      succeed(command(map + "--labels ", "stored") + folder.path("labels"));
+  EXPECT_TRUE(holds(stored, told));
+  EXPECT_TRUE(holds(stored, "labels have to be of the undistorted images"));
+  const std::string direct =
+      succeed(command(map + "--network STREET/net.yaml", "direct"));
+  EXPECT_FALSE(holds(direct, "labels have to be"));
+  EXPECT_EQ(bytesOf(folder.path("stored/map.pcd")),
+            bytesOf(folder.path("direct/map.pcd")));
 }
 
 TEST(RgbdMap, ADarkImageIsNamed)

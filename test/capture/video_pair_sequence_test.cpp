@@ -61,7 +61,7 @@ protected:
     std::vector<StereoFrame> frames;
     while (!camera->hasEnded())
       if (camera->grab())
-        frames.push_back(camera->retrieve());
+        frames.push_back(std::get<StereoFrame>(camera->retrieve()));
     return frames;
   }
 

@@ -135,23 +135,43 @@ TEST(CameraFile, KnowsAllThatAFileStates)
            {"sensor.yaml", "458.6 457.2 367.2 248.3 752 480",
             eurocCamera("0", "[0, 0, 0, 0]")},
            {"calib.txt", "3979.911 3979.911 1244.772 1019.507 2964 1988", middlebury},
-           {"calib.txt", "721.5 721.5 609.5 172.8 1242 375", kitti_raw}})
+           {"calib.txt", "721.5 721.5 609.5 172.8 1242 375", kitti_raw},
+           {"calibration.txt", "726 727 354 186 0 0", "726 727 354 186\n"}})
     expectCamera(good);
+}
+
+TEST(CameraFile, ALensIsReadAndToldOf)
+{
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return readPinholeCamera(folder.write("c.yaml", text));
+  };
+  EXPECT_FALSE(read(size + K + no_distortion).isDistorted());
+  const PinholeCamera radial = read(size + K + P + "D: [0.1, 0, 0, 0]\n");
+  EXPECT_EQ(radial.distortion, (std::vector<double>{0.1, 0, 0, 0}));
+  EXPECT_FALSE(radial.is_fisheye);
+  EXPECT_EQ(radial.fx, 400.0) << "P is of other images";
+  ASSERT_EQ(radial.doubts.size(), 1u);
+  EXPECT_TRUE(holds(radial.doubts[0], "c.yaml line 5: D: the images are undistorted "
+                                      "with these coefficients; if they are already"));
+  for (const std::string model :
+       {"distortion_model: equidistant\n", "fisheye_model: 1\n"}) {
+    const PinholeCamera fisheye = read(size + K + no_distortion + model);
+    EXPECT_TRUE(fisheye.is_fisheye);
+    EXPECT_TRUE(fisheye.isDistorted())
+        << "with coefficients of 0 it still is no pinhole";
+    ASSERT_EQ(fisheye.doubts.size(), 1u);
+    EXPECT_TRUE(holds(fisheye.doubts[0], "the images of this fisheye are undistorted"));
+  }
 }
 
 TEST(CameraFile, RefusesWhatItCannotUse)
 {
   for (const auto& [file, text, says] : std::vector<std::array<std::string, 3>>{
-           {"c.yaml", size + K + "D: [0.1, 0, 0, 0]\n",
-            "c.yaml line 4: D: the images have to be undistorted"},
-           {"c.yaml", K + no_distortion + "distortion_model: equidistant\n",
-            "c.yaml: is a fisheye's ('equidistant'), expected the camera of "
-            "undistorted"},
            {"c.yaml", K + no_distortion + "distortion_model: ds\n",
             "distortion_model is 'ds', expected 'plumb_bob' or 'rational_polynomial' "
             "or "
             "'none' or 'equidistant'; omnidirectional models are not supported"},
-           {"c.yaml", K + no_distortion + "fisheye_model: 1\n", "is a fisheye's"},
            {"c.yaml", K + no_distortion + "fisheye_model: 2\n", "expected 0 or 1"},
            {"c.yaml",
             K + no_distortion + "fisheye_model: 0\ndistortion_model: fisheye\n",
@@ -178,13 +198,12 @@ TEST(CameraFile, RefusesWhatItCannotUse)
             "is the calibration of a pair"},
            {"c.yaml", "Camera.fx: 500\n", "has neither camera_matrix or K"},
            {"c.yaml", "width: 3\n", "has neither camera_matrix"},
-           {"c.yaml", "D: [0.1, 0, 0, 0, 0]\n" + K, "line 1"},
+           {"c.yaml", K + "D: [0.1, 0, 0]\n", "has 3 distortion coefficients"},
            {"c.yaml", "K: [1, 2]\n", "is no camera matrix"},
            {"c.yaml", "K: [0, 0, 1, 0, 1, 1, 0, 0, 1]\n", "fx 0"},
            {"c.yaml", "cam0:\n  intrinsics: [1, 2]\n", "expected fx, fy"},
            {"c.yaml", "<?xml version=\"1.0\"?>\n", "c.yaml: is XML"},
-           {"calib.txt", "cam0=[1 0 0; 0 1 0; 0 0 1]\n", "has no line 'cam1='"},
-           {"sensor.yaml", eurocCamera("0", "[-0.28, 0.07, 0, 0]"), "undistorted"}}) {
+           {"calib.txt", "cam0=[1 0 0; 0 1 0; 0 0 1]\n", "has no line 'cam1='"}}) {
     SCOPED_TRACE(text);
     const TemporaryFolder folder;
     const std::string path = folder.write(file, text);

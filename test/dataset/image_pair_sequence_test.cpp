@@ -184,4 +184,42 @@ TEST(EurocFolder, IsOpenedAsItComes)
   }
 }
 
+// Two cameras' images in folders, the calibration two folders above.
+TEST(OtherFolders, OfKitti360AndEth3dAreOpenedAsTheyCome)
+{
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path("calibration"));
+  folder.write("calibration/perspective.txt",
+               "calib_time: 25-May-2019\nS_rect_00: 1408 376\n"
+               "P_rect_00: 552.5 0 682 0 0 552.5 238.8 0 0 0 1 0\n"
+               "S_rect_01: 1408 376\n"
+               "P_rect_01: 552.5 0 682 -328.3 0 552.5 238.8 0 0 0 1 0\n");
+  for (const std::string side : {"image_00", "image_01"}) {
+    const std::string images = folder.path("data_2d_raw/drive_0000_sync/" + side);
+    fs::create_directories(images + "/data_rect");
+    for (const std::string name : {"0000000250.png", "0000000251.png"})
+      writePng(images + "/data_rect/" + name,
+               cv::Mat(376, 1408, CV_8UC3, cv::Scalar::all(9)));
+  }
+  fs::create_directories(folder.path("delivery_area_1l"));
+  folder.write("delivery_area_1l/calib.txt",
+               "cam0=[541.7 0 553.8; 0 541.7 232.4; 0 0 1]\n"
+               "cam1=[541.7 0 553.8; 0 541.7 232.4; 0 0 1]\n"
+               "doffs=0\nbaseline=59.98\nwidth=942\nheight=489\nndisp=70\n");
+  for (const std::string name : {"im0.png", "im1.png"})
+    writePng(folder.path("delivery_area_1l/" + name),
+             cv::Mat(489, 942, CV_8UC1, cv::Scalar(9)));
+  for (const auto& [name, frames, baseline] :
+       {std::tuple("data_2d_raw/drive_0000_sync", 2u, 328.3 / 552.5),
+        std::tuple("delivery_area_1l", 1u, 0.05998)}) {
+    SequenceFiles files;
+    files.folder = folder.path(name);
+    std::vector<std::string> doubts;
+    const auto sequence = openSequence(files, doubts);
+    EXPECT_EQ(sequence->size(), frames);
+    EXPECT_NEAR(sequence->camera().baseline, baseline, 1e-9);
+    EXPECT_EQ(sequence->frame(0).left.cols, sequence->camera().width);
+  }
+}
+
 } // namespace pcl_semantic

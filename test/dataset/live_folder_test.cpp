@@ -3,6 +3,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/dataset/live_folder.h>
+#include <pcl_semantic/dataset/live_rgbd.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/images/image_file.h>
 
@@ -85,13 +86,13 @@ TEST_F(FillingFolder, APairIsThereWhenBothImagesAre)
   EXPECT_EQ(camera->camera().width, 120);
   EXPECT_NEAR(camera->camera().baseline, 0.5, 1e-9);
   EXPECT_EQ(camera->grab(), 1);
-  EXPECT_EQ(camera->retrieve().number, 3);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 3);
   EXPECT_EQ(camera->grab(), 0);
   write("image_2", 5);
   EXPECT_EQ(camera->grab(), 0);
   write("image_3", 5);
   EXPECT_EQ(camera->grab(), 1);
-  const StereoFrame frame = camera->retrieve();
+  const auto frame = std::get<StereoFrame>(camera->retrieve());
   EXPECT_EQ(frame.number, 5);
   EXPECT_EQ(frame.left.at<cv::Vec3b>(40, 60)[0], 5);
   EXPECT_GE(frame.timestamp, 0.0);
@@ -106,11 +107,11 @@ TEST_F(FillingFolder, OfManyTheNewestIsGrabbed)
     writePair(number);
   const auto camera = openLiveFolder(folder.path(""));
   EXPECT_EQ(camera->grab(), 120);
-  EXPECT_EQ(camera->retrieve().number, 119);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 119);
   writePair(130);
   writePair(140);
   EXPECT_EQ(camera->grab(), 2);
-  EXPECT_EQ(camera->retrieve().number, 140);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 140);
 }
 
 TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
@@ -121,13 +122,13 @@ TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
   EXPECT_EQ(camera->grab(), 0);
   write("image_3", 1);
   EXPECT_EQ(camera->grab(), 1);
-  EXPECT_EQ(camera->retrieve().number, 1);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 1);
   // One that never is gives way to the next, and counts.
   writePair(2);
   cutInHalf(imageOf("image_2", 2));
   writePair(3);
   EXPECT_EQ(camera->grab(), 2);
-  EXPECT_EQ(camera->retrieve().number, 3);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 3);
 }
 
 TEST_F(FillingFolder, APairThatComesLateIsCountedWithTheNext)
@@ -140,7 +141,7 @@ TEST_F(FillingFolder, APairThatComesLateIsCountedWithTheNext)
   EXPECT_EQ(camera->grab(), 0);
   writePair(4);
   EXPECT_EQ(camera->grab(), 3);
-  EXPECT_EQ(camera->retrieve().number, 4);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 4);
   writePair(5);
   EXPECT_EQ(camera->grab(), 1);
 }
@@ -164,7 +165,7 @@ TEST_F(FillingFolder, OtherFilesArePassedOver)
   writePair(1);
   fs::copy_file(imageOf("image_2", 1), folder.path("image_2/1.png")); // once more
   EXPECT_EQ(camera->grab(), 1);
-  EXPECT_EQ(camera->retrieve().number, 1);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 1);
   fs::remove_all(folder.path("image_2"));
   expectBadInput("image_2: cannot be read", [&] { camera->grab(); });
 }
@@ -176,6 +177,46 @@ TEST_F(FillingFolder, AnImageOfAnotherSizeIsRefused)
   write("image_3", 1, {100, 80});
   EXPECT_EQ(camera->grab(), 1);
   expectBadInput("has 100 x 80 pixels, expected 120 x 80", [&] { camera->retrieve(); });
+}
+
+// As the pairs of a stereo camera; a depth image may come later than its colours.
+TEST(FillingRgbd, AFrameIsThereWhenBothImagesAre)
+{
+  const TemporaryFolder folder;
+  RgbdFiles files;
+  files.folder = folder.path("");
+  files.intrinsics = "50,50,30,20";
+  EXPECT_FALSE(holdsRgbdFrame(files.folder));
+  for (const char* const name : {"rgb", "depth"})
+    fs::create_directories(folder.path(name));
+  expectBadInput("holds no whole pair of images in rgb and depth yet",
+                 [&] { openLiveRgbd(files, ""); });
+  const auto colour = [&](int number) {
+    writePng(folder.path("rgb/" + frameFileName(number, ".png")),
+             cv::Mat(40, 60, CV_8UC3, cv::Scalar::all(number)));
+  };
+  const auto depth = [&](int number) {
+    writePng(folder.path("depth/" + frameFileName(number, ".png")),
+             cv::Mat(40, 60, CV_16UC1, cv::Scalar(1000 + number)));
+  };
+  colour(1);
+  EXPECT_FALSE(holdsRgbdFrame(files.folder));
+  depth(1);
+  EXPECT_TRUE(holdsRgbdFrame(files.folder));
+  const auto camera = openLiveRgbd(files, "");
+  EXPECT_TRUE(camera->hasDepth());
+  EXPECT_EQ(camera->camera().width, 60);
+  EXPECT_EQ(camera->grab(), 1);
+  EXPECT_EQ(timeOf(camera->retrieve()).number, 1);
+  colour(4);
+  EXPECT_EQ(camera->grab(), 0);
+  depth(4);
+  EXPECT_EQ(camera->grab(), 1);
+  const auto frame = std::get<RgbdFrame>(camera->retrieve());
+  EXPECT_EQ(frame.number, 4);
+  EXPECT_EQ(frame.image.at<cv::Vec3b>(0, 0)[0], 4);
+  EXPECT_FLOAT_EQ(frame.cloud->at(30, 20).z, 1.004f);
+  EXPECT_EQ(frame.unmeasured, 0u);
 }
 
 } // namespace pcl_semantic

@@ -3,11 +3,13 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/files/stored_poses.h>
 #include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include <filesystem>
+#include <limits>
 
 namespace {
 
@@ -95,7 +97,8 @@ TEST_F(Rgbd, TumsListsAreMatchedByTime)
                InvalidParameterException);
   EXPECT_EQ(sequence.posesPath(), "");
   folder.write("groundtruth.txt", "");
-  EXPECT_EQ(sequence.posesPath(), folder.path("groundtruth.txt"));
+  EXPECT_EQ(RgbdSequence(folder.path(), camera).posesPath(),
+            folder.path("groundtruth.txt"));
   for (const auto& [list, says] : std::vector<std::pair<std::string, std::string>>{
            {"100.00 depth/b.png\n100.00 depth/a.png\n",
             "depth.txt line 2: times have to rise"},
@@ -112,7 +115,7 @@ TEST_F(Rgbd, RefusesImagesThatDoNotBelongTogether)
   writePng(folder.path("depth/a.png"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)));
   expectRefused("has 6 x 4 pixels, expected ");
   writePng(folder.path("depth/a.png"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
-  expectRefused("8 bits, expected 16-bit grey (depths");
+  expectRefused("8 bits, expected 16-bit grey, or 32-bit float TIFF (depths)");
   std::filesystem::remove(folder.path("depth/b.png"));
   expectRefused("depth/b.png: is missing");
   std::filesystem::remove_all(folder.path("depth"));
@@ -165,6 +168,86 @@ TEST_F(Rgbd, AScaleOrACameraThatIsNotTheImagesIsDoubtful)
   expectBadParameter(
       "depth scale is 0.001, expected the value of 1 m in the depth images: 1000",
       [&] { doubts(0.001); });
+}
+
+// frame-N.color.png, .depth.png and .pose.txt, whose world has the axes of a camera.
+TEST_F(Rgbd, SevenScenesAreReadAsTheyCome)
+{
+  const TemporaryFolder scene;
+  const auto write = [&](const std::string& frame, const std::string& source,
+                         const std::string& pose) {
+    std::filesystem::copy(folder.path("rgb/" + source + ".png"),
+                          scene.path(frame + ".color.png"));
+    std::filesystem::copy(folder.path("depth/" + source + ".png"),
+                          scene.path(frame + ".depth.png"));
+    scene.write(frame + ".pose.txt", pose);
+  };
+  const std::string lost = "-1.#INF -inf nan -1.#IND\n";
+  write("frame-000000", "a", "1 0 0 0.5\n0 1 0 0\n0 0 1 2\n0 0 0 1\n");
+  write("frame-000001", "b", lost + lost + lost + lost);
+  write("frame-000010", "b",
+        "1.0e+000\t 0 0 1 \n0 1 0 0 \n0 0 1 3 \n0 0 0 1.0000000e+000 \n");
+  const RgbdSequence sequence(scene.path(), camera);
+  ASSERT_EQ(sequence.size(), 2u);
+  EXPECT_EQ(sequence.name(1), "frame-000010");
+  EXPECT_EQ(sequence.frameNumber(1), 2);
+  EXPECT_FALSE(sequence.hasTimes());
+  EXPECT_EQ(sequence.doubts().at(0),
+            scene.path() + ": 1 of 3 frames have no finite pose and are skipped");
+  expectFirstFrame(sequence.frame(0), 1.0f);
+  EXPECT_EQ(sequence.posesPath(), scene.path());
+  EXPECT_EQ(RgbdSequence::colourImages(scene.path()).size(), 2u);
+  const StoredPoses poses = readStoredPoses(sequence.posesPath(), PoseFrame::camera);
+  const Eigen::Vector3d ahead =
+      poses.pose({2, 0.0}).translation() - poses.pose({0, 0.0}).translation();
+  EXPECT_TRUE(ahead.isApprox(Eigen::Vector3d(1.0, -0.5, 0.0))); // x forward, y left
+  scene.write("frame-000000.pose.txt", "1 0 0\n");
+  expectBadInput("has 3 numbers, expected 16 (a 4 x 4 pose)",
+                 [&] { RgbdSequence(scene.path(), camera); });
+  scene.write("frame-000000.pose.txt", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1");
+  expectBadInput("the last row of its matrix is not 0 0 0 1",
+                 [&] { RgbdSequence(scene.path(), camera); });
+  std::filesystem::remove(scene.path("frame-000000.pose.txt"));
+  std::filesystem::remove(scene.path("frame-000001.pose.txt"));
+  EXPECT_EQ(RgbdSequence(scene.path(), camera).posesPath(), "") << "not of all frames";
+}
+
+// color, depth and pose, in a world with z up.
+TEST_F(Rgbd, ScannetsFoldersAreReadAsTheyCome)
+{
+  std::filesystem::rename(folder.path("rgb"), folder.path("color"));
+  std::filesystem::create_directories(folder.path("pose"));
+  for (const std::string name : {"a", "b"})
+    folder.write("pose/" + name + ".txt", "0 0 1 5\n-1 0 0 6\n0 -1 0 7\n0 0 0 1\n");
+  const RgbdSequence sequence(folder.path(), camera);
+  EXPECT_EQ(sequence.size(), 2u);
+  const StoredPoses poses = readStoredPoses(sequence.posesPath(), PoseFrame::camera);
+  EXPECT_TRUE(poses.pose({1, 0.0}).translation().isApprox(Eigen::Vector3d(5, 6, 7)));
+  std::filesystem::remove(folder.path("pose/a.txt"));
+  expectRefused("has 1 files of poses, expected 2");
+}
+
+TEST_F(Rgbd, DepthsMayBeFloatsOrTiff)
+{
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat depth = (cv::Mat_<float>(2, 3) << 0, 1, 2, 0.5f, 0.25f, none);
+  std::filesystem::remove(folder.path("depth/a.png"));
+  cv::imwrite(folder.path("depth/a.tiff"), depth);
+  expectFirstFrame(RgbdSequence(folder.path(), camera).frame(0), 1.0f);
+  EXPECT_TRUE(
+      std::isnan(RgbdSequence(folder.path(), camera).frame(0).cloud->at(2, 1).z));
+  cv::imwrite(folder.path("depth/a.tiff"), cv::Mat(1000 * depth));
+  EXPECT_TRUE(holds(RgbdSequence(folder.path(), camera).doubts().at(0),
+                    "are more than 1000 m with depth scale 1; 1000 would give 1 m"));
+  expectFirstFrame(RgbdSequence(folder.path(), camera, 1000.0).frame(0), 1.0f);
+  cv::Mat whole;
+  cv::Mat(1000 * depth).convertTo(whole, CV_16U);
+  cv::imwrite(folder.path("depth/a.tiff"), whole);
+  expectFirstFrame(RgbdSequence(folder.path(), camera).frame(0), 1.0f);
+  cv::imwrite(folder.path("depth/a.tiff"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
+  expectRefused("expected 16-bit grey, or 32-bit float TIFF (depths)");
+  folder.write("depth/a.tiff", "II*");
+  expectRefused("is not a TIFF image");
 }
 
 } // namespace

@@ -15,6 +15,7 @@
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
+#include <pcl_semantic/dataset/undistorter.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -76,8 +77,18 @@ readBlock(const std::string& bytes)
   decodeBlock(toBytes(bytes), VoxelIndex(1, -2, 3), kClasses);
 }
 
+// Reads a camera and makes the maps of its lens, for small images.
 void
-readDepthImage(const std::string& bytes)
+undistort(const std::string& path)
+{
+  const PinholeCamera camera = readPinholeCamera(path);
+  const bool is_small = camera.width > 0 && camera.width * camera.height <= 10000;
+  Undistorter(camera, is_small ? camera.width : 64, is_small ? camera.height : 48,
+              "0.png");
+}
+
+void
+readDepthPng(const std::string& bytes)
 {
   readDepths(fileOf(bytes, "depth.png"));
 }
@@ -186,7 +197,8 @@ doors()
       {"cloud_pcd", [](const std::string& b) { readCloud(fileOf(b, "c.pcd")); }},
       {"cloud_ply", [](const std::string& b) { readCloud(fileOf(b, "c.ply")); }},
       {"crf_config", readConfigFile<CRFConfig, readConfig<CRFConfig>>},
-      {"depth_png", readDepthImage},
+      {"depth_png", readDepthPng},
+      {"depth_tif", [](const std::string& b) { readDepthImage(fileOf(b, "d.tif")); }},
       {"distributions_bin",
        [](const std::string& b) { readDistributionsOf(b, "d.bin"); }},
       {"distributions_npy",
@@ -217,9 +229,15 @@ doors()
       {"objects",
        [](const std::string& b) { readObjects(fileOf(b, "o.json"), threeClasses()); }},
       {"pinhole_camera",
-       [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
+       [](const std::string& b) { undistort(fileOf(b, "camera.yaml")); }},
       {"pinhole_camera_txt",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "calib.txt")); }},
+      {"poses_frame",
+       [](const std::string& b) {
+         std::filesystem::create_directories(scratch().path("poses"));
+         fileOf(b, "poses/0.pose.txt");
+         readKittiTrajectory(scratch().path("poses"));
+       }},
       {"poses_kitti",
        [](const std::string& b) { readKittiTrajectory(fileOf(b, "poses.txt")); }},
       {"poses_tum",

@@ -12,8 +12,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A stereo camera or another live source. Pairs arrive at their own times,
- * without a known end. */
+/** \brief A stereo or RGB-D camera or another live source. Frames arrive at their own
+ * times, without a known end. */
 class LiveCamera {
 public:
   virtual ~LiveCamera() = default;
@@ -27,12 +27,20 @@ public:
   /** \brief Whether no more pairs will arrive. */
   virtual bool hasEnded() const = 0;
 
-  /** \brief Returns the newest pair, rectified. Its time is relative to the opening of
-   * the camera [s].
+  /** \brief Returns the newest frame, rectified or undistorted. Its time is relative to
+   * the opening of the camera [s].
    * \throws BadInputException if it is damaged or has another size */
-  virtual StereoFrame retrieve() = 0;
+  virtual SensorFrame retrieve() = 0;
 
-  /** \brief The rectified pair, with the size of the images. */
+  /** \brief Whether frames are RgbdFrame instead of StereoFrame. */
+  virtual bool
+  hasDepth() const
+  {
+    return false;
+  }
+
+  /** \brief The rectified pair, with the size of the images. The baseline of an RGB-D
+   * camera is to be ignored. */
   const StereoCamera&
   camera() const
   {

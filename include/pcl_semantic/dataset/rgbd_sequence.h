@@ -5,9 +5,11 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
+#include <pcl_semantic/dataset/undistorter.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,15 +34,24 @@ ConfigParameters parametersOf(RgbdFiles& files);
 
 /** \brief Frames of an RGB-D camera with depth images registered to the colour images.
  *
- * In TUM's layout, `rgb.txt` and `depth.txt` list times and files. Each colour image
- * gets the depth image nearest in time, and is skipped if none is within a maximum
- * difference. The other layout is a folder with `rgb/` and `depth/`, with equal file
- * names in both. Depth images are 16-bit PNGs; 0 and 65535 are no depths. */
+ * | layout | files |
+ * |---|---|
+ * | TUM, ETH3D | `rgb.txt` and `depth.txt` list times and files |
+ * | folders | `rgb/` (or `color/`) and `depth/`, with equal file names in both |
+ * | 7-Scenes | `frame-N.color.png` (or `.jpg`), `frame-N.depth.png`, `frame-N.pose.txt`
+ * |
+ *
+ * In TUM's layout each colour image gets the depth image nearest in time, and is
+ * skipped if none is within a maximum difference. Depth images are 16-bit PNG or TIFF,
+ * or 32-bit float TIFF; 0, 65535 and non-finite values are no depths. Poses are found
+ * in `groundtruth.txt`, in the files `pose/N.txt` (ScanNet), or in those of 7-Scenes; a
+ * frame whose pose file is not finite is skipped. */
 class RgbdSequence {
 public:
   /** \param[in] folder see above
-   * \param[in] camera of the undistorted colour images
-   * \param[in] depth_scale number per metre; 0 = 5000 in TUM's layout, else 1000
+   * \param[in] camera of the colour images; frames are undistorted
+   * \param[in] depth_scale number per metre; 0 = 5000 in TUM's layout, 1 for floats,
+   * else 1000
    * \param[in] depth_within maximum difference between the times of colour and depth
    * in TUM's layout [s]
    * \throws BadInputException if the folder has no frames, or the first image does not
@@ -109,16 +120,28 @@ public:
     return frames_.at(i).time;
   }
 
-  /** \brief Path of the folder's groundtruth.txt (TUM's layout); empty if there is
+  /** \brief Path of the folder's trajectory, see readTrajectory(); empty if there is
    * none. */
-  std::string posesPath() const;
+  const std::string&
+  posesPath() const
+  {
+    return poses_;
+  }
 
-  /** \brief The camera, with the size of the first image; its baseline of 1 m is
-   * ignored. */
+  /** \brief The camera of the undistorted frames, with the size of the first image;
+   * its baseline of 1 m is ignored. */
   const StereoCamera&
   camera() const
   {
-    return camera_;
+    return undistorter_->camera();
+  }
+
+  /** \brief Whether frames are undistorted. Labels of their pixels have to be of the
+   * undistorted images. */
+  bool
+  isDistorted() const
+  {
+    return undistorter_->isDistorted();
   }
 
   /** \brief Doubts, one per line, for a program to print: about the camera's file, and
@@ -142,14 +165,8 @@ private:
 
   RgbdSequence(const std::string& folder, double depth_scale, double depth_within);
 
-  void readTumLists(const std::string& folder, double depth_within);
-
-  void findFolders(const std::string& folder);
-
-  void takeTimesFromNames();
-
-  std::string folder_;
-  StereoCamera camera_;
+  std::string poses_;
+  std::optional<Undistorter> undistorter_; ///< none for colourImages()
   std::vector<std::string> doubts_;
   double depth_scale_;
   bool is_tum_ = false, has_times_ = false;

@@ -20,8 +20,13 @@ using NamedValues = std::vector<std::pair<std::string, std::string>>;
 /** \brief The files of a stereo sequence: a folder in KITTI's layout, or the images of
  * any stereo camera. */
 struct SequenceFiles {
-  /// In KITTI's layout, or EuRoC's (ASL): `mav0/cam0` and `cam1`, each with `data` and
-  /// `sensor.yaml`. Poses of EuRoC's folder are not read: they are those of the body.
+  /// In the layout of KITTI's odometry benchmark, or of
+  /// - EuRoC (ASL): `mav0/cam0` and `cam1`, each with `data` and `sensor.yaml`. Its
+  ///   poses are not read: they are those of the body;
+  /// - Middlebury and ETH3D: one pair, `im0.png`, `im1.png` and `calib.txt`;
+  /// - KITTI-360: `image_00/data_rect` and `image_01/data_rect`, with the calibration
+  /// in
+  ///   `../../calibration/perspective.txt`.
   std::string folder;
   ImagePairFiles files;
   bool strict = false; ///< refuse suspicious pairs, see checkPair()

@@ -26,11 +26,16 @@ using TimedTrajectory = std::vector<TimedPose>;
 
 enum class TrajectoryFormat {
   /// 12 numbers per row: the upper 3 x 4 of a pose. Lines with # may precede the rows.
+  /// Or a folder with one file per frame, its 4 x 4 matrix, in natural order.
   kitti,
   /// 8 numbers per row: time, translation, quaternion (x y z w). Lines with # are
   /// comments.
   tum
 };
+
+/** \brief Whether a path is a folder with poses of 7-Scenes, `*.pose.txt`. The axes of
+ * their world are those of a camera: x right, y down, z forward. */
+bool holdsPosesOf7Scenes(const std::string& path);
 
 /** \brief Detects the format of a file from the count of numbers in its first data
  * line.
@@ -39,6 +44,7 @@ TrajectoryFormat trajectoryFormatOf(const std::string& path);
 
 /** \brief Reads a KITTI trajectory. ORB-SLAM's SaveTrajectoryKITTI writes such files.
  *
+ * In a folder, a matrix that is not finite becomes a pose of NaN: tracking failed.
  * Rotations with rounding errors are orthonormalised. The error is the Frobenius norm
  * of R R^T - 1. Errors above 1e-2 are refused.
  * \param[out] doubts null = none; a line is appended if an error is above 1e-4

@@ -15,7 +15,8 @@ enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
   labels,         ///< CV_8UC1
   segments,       ///< CV_8UC1 or CV_16UC1
-  disparity       ///< CV_16UC1, also for depths
+  disparity,      ///< CV_16UC1
+  depth           ///< CV_16UC1 or CV_32FC1
 };
 
 /** \brief Reads a PNG file strictly. OpenCV alone would decode a JPEG named .png, and
@@ -37,6 +38,12 @@ const std::vector<std::string>& imageExtensions();
  * \throws BadInputException as readPng() */
 cv::Mat readImage(const std::string& path, cv::Size size = {},
                   const std::string& like = {});
+
+/** \brief Reads a depth image: a TIFF (`.tif`, `.tiff`) of 16-bit or 32-bit float
+ * numbers, or a 16-bit PNG.
+ * \throws BadInputException as readPng() */
+cv::Mat readDepthImage(const std::string& path, cv::Size size = {},
+                       const std::string& like = {});
 
 /** \brief Writes a PNG file, complete or not at all.
  * \throws OutputException if the file cannot be written */

@@ -29,7 +29,7 @@ struct InputOpeners {
       network = openNetwork;
   VideoOpener videos; ///< null = videos are refused
   /// If set, opens the sequence as live frames, after labels and trajectory.
-  std::function<std::unique_ptr<FrameSource>(const SequenceFiles&)> live;
+  std::function<std::unique_ptr<FrameSource>(const MapInputs&)> live;
 };
 
 /** \brief Returns the points of a frame's scan, in the frame of the sensor of the poses
@@ -54,7 +54,7 @@ struct OpenedInputs {
   std::vector<std::string> doubts;        ///< one per line
 };
 
-/** \brief Opens the poses of a stereo source, or of clouds in camera 0.
+/** \brief Opens the poses of a stereo or RGB-D source, or of clouds in camera 0.
  * \param[in] trajectory path; empty = odometry
  * \param[in] pose_gap see StoredPoses [s]
  * \param[in,out] opened its source must be open

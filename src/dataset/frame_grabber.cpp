@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/stereo_grabber.h>
+#include <pcl_semantic/dataset/frame_grabber.h>
 
 #include <utility>
 
 namespace pcl_semantic {
 
-StereoGrabber::StereoGrabber(std::unique_ptr<LiveCamera> camera)
+FrameGrabber::FrameGrabber(std::unique_ptr<LiveCamera> camera)
     : camera_(std::move(camera)), thread_([this] { grabAll(); })
 {}
 
-StereoGrabber::~StereoGrabber()
+FrameGrabber::~FrameGrabber()
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -19,8 +19,8 @@ StereoGrabber::~StereoGrabber()
   thread_.join();
 }
 
-std::optional<StereoGrabber::Grabbed>
-StereoGrabber::take(std::chrono::milliseconds patience)
+std::optional<FrameGrabber::Grabbed>
+FrameGrabber::take(std::chrono::milliseconds patience)
 {
   std::unique_lock<std::mutex> lock(mutex_);
   is_wanted_ = true;
@@ -35,21 +35,21 @@ StereoGrabber::take(std::chrono::milliseconds patience)
 }
 
 bool
-StereoGrabber::hasEnded() const
+FrameGrabber::hasEnded() const
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   return has_ended_ && waiting_ == 0 && !grabbed_ && !error_;
 }
 
 int
-StereoGrabber::dropped() const
+FrameGrabber::dropped() const
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   return dropped_;
 }
 
 void
-StereoGrabber::grabAll()
+FrameGrabber::grabAll()
 {
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_ && !has_ended_) {
@@ -84,7 +84,7 @@ StereoGrabber::grabAll()
 
 // Decodes the newest pair if a caller waits.
 void
-StereoGrabber::serve(std::unique_lock<std::mutex>& lock)
+FrameGrabber::serve(std::unique_lock<std::mutex>& lock)
 {
   if (stop_ || !is_wanted_ || waiting_ == 0 || grabbed_)
     return;

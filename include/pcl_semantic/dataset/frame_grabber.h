@@ -14,24 +14,24 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Provides the newest pair of a camera. A thread grabs all pairs and keeps only
- * the newest one; older pairs are dropped without decoding. */
-class StereoGrabber {
+/** \brief Provides the newest frame of a camera. A thread grabs all and keeps only the
+ * newest one; older frames are dropped without decoding. */
+class FrameGrabber {
 public:
   using Clock = std::chrono::steady_clock;
 
   struct Grabbed {
-    StereoFrame frame;
+    SensorFrame frame;
     Clock::time_point when; ///< time of arrival
   };
 
-  explicit StereoGrabber(std::unique_ptr<LiveCamera> camera);
+  explicit FrameGrabber(std::unique_ptr<LiveCamera> camera);
 
   /** \brief Ends the thread. */
-  ~StereoGrabber();
+  ~FrameGrabber();
 
-  StereoGrabber(const StereoGrabber&) = delete;
-  StereoGrabber& operator=(const StereoGrabber&) = delete;
+  FrameGrabber(const FrameGrabber&) = delete;
+  FrameGrabber& operator=(const FrameGrabber&) = delete;
 
   /** \brief Returns the newest pair that was not taken yet; waits for one.
    * \param[in] patience maximum time to wait

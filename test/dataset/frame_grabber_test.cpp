@@ -2,7 +2,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/stereo_grabber.h>
+#include <pcl_semantic/dataset/frame_grabber.h>
 
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ public:
     return script_.is_over && script_.coming.empty();
   }
 
-  StereoFrame
+  SensorFrame
   retrieve() override
   {
     ++script_.decoded;
@@ -90,11 +90,11 @@ protected:
   take()
   {
     const auto grabbed = grabber.take(soon);
-    return grabbed ? grabbed->frame.number : -1;
+    return grabbed ? timeOf(grabbed->frame).number : -1;
   }
 
   Script script;
-  StereoGrabber grabber{std::make_unique<ScriptedCamera>(script)};
+  FrameGrabber grabber{std::make_unique<ScriptedCamera>(script)};
 };
 
 } // namespace
