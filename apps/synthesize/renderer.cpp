@@ -83,11 +83,12 @@ private:
 
 } // namespace
 
-SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int height)
-    : scene_(scene)
+SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int height,
+                                     synthetic::Lens lens)
+    : scene_(scene), lens_(lens)
 {
   synthetic::requireImageSize(width, height);
-  const double focal_length = 718.0 * width / 1241.0;
+  const double focal_length = synthetic::focalFactor(lens) * 718.0 * width / 1241.0;
   camera_ = {
       focal_length, focal_length, 607.0 * width / 1241.0, 185.0 * height / 376.0, 0.54,
       width,        height};
@@ -119,7 +120,10 @@ SyntheticRenderer::render(int frame, const Eigen::Isometry3d& T_world_camera) co
   const Street street = scene_.street(frame);
   const auto image = [&](const Eigen::Isometry3d& pose, std::uint32_t noise_seed) {
     const Eye eye(street, camera_, pose);
-    const auto look = [&eye](double u, double v) { return eye.look(u, v); };
+    const auto look = [&](double u, double v) {
+      const Eigen::Vector2d pixel = synthetic::pinholePixel(lens_, camera_, u, v);
+      return eye.look(pixel.x(), pixel.y());
+    };
     return synthetic::renderRays(look, camera_.width, camera_.height, noise_seed,
                                  samples);
   };

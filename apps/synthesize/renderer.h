@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "lens.h"
 #include "street.h"
 
 #include <pcl_semantic/core/stereo_camera.h>
@@ -29,9 +30,11 @@ public:
 
   /** \throws InvalidParameterException unless \a width x \a height lies within
    * 64 x 32 and 4096 x 4096 */
-  SyntheticRenderer(const SyntheticScene& scene, int width, int height);
+  SyntheticRenderer(const SyntheticScene& scene, int width, int height,
+                    synthetic::Lens lens = synthetic::Lens::pinhole);
 
-  /** \brief KITTI's colour cameras, scaled to the width: baseline 0.54 m. */
+  /** \brief KITTI's colour cameras, scaled to the width: baseline 0.54 m. With another
+   * lens, its focal length. */
   const StereoCamera&
   camera() const
   {
@@ -52,6 +55,7 @@ public:
 private:
   SyntheticScene scene_;
   StereoCamera camera_;
+  synthetic::Lens lens_;
 };
 
 } // namespace pcl_semantic

@@ -16,11 +16,12 @@ using Eigen::Vector3f;
 using synthetic::Sample;
 using synthetic::Surface;
 
-RoomRenderer::RoomRenderer(const SyntheticRoom& room, int width, int height)
-    : room_(room)
+RoomRenderer::RoomRenderer(const SyntheticRoom& room, int width, int height,
+                           synthetic::Lens lens)
+    : room_(room), lens_(lens)
 {
   synthetic::requireImageSize(width, height);
-  const double focal_length = 585.0 * width / 640.0;
+  const double focal_length = synthetic::focalFactor(lens) * 585.0 * width / 640.0;
   camera_ = {focal_length, focal_length, 0.5 * width, 0.5 * height, 1.0, width, height};
 }
 
@@ -35,9 +36,10 @@ RoomRenderer::render(int frame) const
     Surface surface;
     Sample sample;
     sample.id = 1;
+    const Eigen::Vector2d pixel = synthetic::pinholePixel(lens_, camera_, u, v);
     // Depth 1 along the optical axis, so that the distance of a hit is its depth.
     const Vector3d direction =
-        view.T_world_camera.linear() * camera_.unproject(u, v, 1.0);
+        view.T_world_camera.linear() * camera_.unproject(pixel.x(), pixel.y(), 1.0);
     if (!room_.nearest({view.T_world_camera.translation(), direction}, surface))
       return sample;
     sample.depth = surface.distance;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "lens.h"
 #include "room.h"
 
 #include <pcl_semantic/core/stereo_camera.h>
@@ -25,9 +26,11 @@ class RoomRenderer {
 public:
   /** \throws InvalidParameterException unless \a width x \a height lies within
    * 64 x 32 and 4096 x 4096 */
-  RoomRenderer(const SyntheticRoom& room, int width, int height);
+  RoomRenderer(const SyntheticRoom& room, int width, int height,
+               synthetic::Lens lens = synthetic::Lens::pinhole);
 
-  /** \brief The camera of a Kinect, scaled to the width. */
+  /** \brief The camera of a Kinect, scaled to the width. With another lens, its focal
+   * length. */
   const StereoCamera&
   camera() const
   {
@@ -40,6 +43,7 @@ public:
 private:
   SyntheticRoom room_;
   StereoCamera camera_;
+  synthetic::Lens lens_;
 };
 
 /** \brief Measures the depths of a view as a Kinect does: normal noise with a deviation

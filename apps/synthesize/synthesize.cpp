@@ -34,6 +34,13 @@ struct Options {
   int traffic = 0;
   double label_noise = kSyntheticLabelNoise;
   double depth_noise = 1.0;
+  std::string lens = "pinhole";
+
+  bool
+  isFisheye() const
+  {
+    return lens == "fisheye";
+  }
 };
 
 Options
@@ -59,12 +66,20 @@ parse(int argc, char** argv)
        {"label-noise", withDefault(options.label_noise),
         "fraction of wrong labels, 0 (nearly perfect) to 1"},
        {"depth-noise", withDefault(options.depth_noise),
-        "noise of the depths in a room, in multiples of a Kinect's; 0 = exact"}},
+        "noise of the depths in a room, in multiples of a Kinect's; 0 = exact"},
+       {"lens", withDefault(options.lens),
+        "pinhole or fisheye (equidistant; without labels, which are those of rectified "
+        "images)"}},
       {"output"});
   const bool room = options.scene == "room";
   if (!room && options.scene != "street")
     fail<InvalidParameterException>("--scene is '", options.scene,
                                     "', expected street or room");
+  if (!options.isFisheye() && options.lens != "pinhole")
+    fail<InvalidParameterException>("--lens is '", options.lens,
+                                    "', expected pinhole or fisheye");
+  if (options.isFisheye() && !given["label-noise"].defaulted())
+    fail<InvalidParameterException>("--label-noise has no effect with --lens fisheye");
   for (const auto& [option, scene] :
        {std::pair("traffic", "street"), std::pair("depth-noise", "room")})
     if (options.scene != scene && !given[option].defaulted())
@@ -100,6 +115,12 @@ parseSeed(const std::string& text)
   return static_cast<std::uint32_t>(seed);
 }
 
+synthetic::Lens
+lensOf(const Options& options)
+{
+  return options.isFisheye() ? synthetic::Lens::fisheye : synthetic::Lens::pinhole;
+}
+
 /** \brief Refuses a folder with more frames, which would be read as this sequence's,
  * and one of the other scene, which shares some files. */
 void
@@ -122,11 +143,14 @@ void
 synthesizeStreet(const Options& options, const cv::Size& size, std::uint32_t seed)
 {
   const SyntheticScene scene(seed, options.frames, makeTraffic(options.traffic));
-  const SyntheticRenderer renderer(scene, size.width, size.height);
+  const synthetic::Lens lens = lensOf(options);
+  const SyntheticRenderer renderer(scene, size.width, size.height, lens);
   checkFolder(options);
-  const SyntheticWriter writer(options.output);
+  const SyntheticWriter writer(options.output, lens);
   forEachStep("rendering", std::size_t(options.frames), [&](std::size_t frame) {
     const SyntheticView view = renderer.render(int(frame));
+    if (options.isFisheye())
+      return writer.writeImages(view);
     writer.writeFrame(view, syntheticDistributions(view, seed, options.label_noise));
   });
   writer.writeSequence(scene, renderer.camera());
@@ -139,12 +163,16 @@ synthesizeRoom(const Options& options, const cv::Size& size, std::uint32_t seed)
     fail<InvalidParameterException>("--depth-noise ", options.depth_noise,
                                     ": expected 0 to 100");
   const SyntheticRoom room(seed, options.frames);
-  const RoomRenderer renderer(room, size.width, size.height);
+  const synthetic::Lens lens = lensOf(options);
+  const RoomRenderer renderer(room, size.width, size.height, lens);
   checkFolder(options);
-  const RoomWriter writer(options.output);
+  const RoomWriter writer(options.output, lens);
   forEachStep("rendering", std::size_t(options.frames), [&](std::size_t frame) {
     const RoomView view = renderer.render(int(frame));
-    writer.writeFrame(view, measuredDepth(view, seed, options.depth_noise),
+    const cv::Mat depth = measuredDepth(view, seed, options.depth_noise);
+    if (options.isFisheye())
+      return writer.writeImages(view, depth);
+    writer.writeFrame(view, depth,
                       syntheticDistributions(view, seed, options.label_noise));
   });
   writer.writeSequence(room, renderer.camera());

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdio>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -51,12 +52,36 @@ calibration(const StereoCamera& camera)
          calibrationLine("Tr", laser);
 }
 
+// Kalibr's file of a fisheye pair.
+std::string
+camchain(const StereoCamera& camera)
+{
+  char lens[512];
+  std::snprintf(lens, sizeof(lens),
+                "  camera_model: pinhole\n  distortion_model: equidistant\n"
+                "  distortion_coeffs: [0, 0, 0, 0]\n"
+                "  intrinsics: [%.12g, %.12g, %.12g, %.12g]\n"
+                "  resolution: [%d, %d]\n",
+                camera.fx, camera.fy, camera.cx, camera.cy, camera.width,
+                camera.height);
+  char pose[256];
+  std::snprintf(pose, sizeof(pose),
+                "  T_cn_cnm1:\n  - [1, 0, 0, %.12g]\n  - [0, 1, 0, 0]\n"
+                "  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n",
+                -camera.baseline);
+  return std::string("cam0:\n") + lens + "cam1:\n" + lens + pose;
+}
+
 } // namespace
 
-SyntheticWriter::SyntheticWriter(std::string folder) : folder_(std::move(folder))
+SyntheticWriter::SyntheticWriter(std::string folder, synthetic::Lens lens)
+    : folder_(std::move(folder)), lens_(lens)
 {
   makeOutputFolder(folder_);
-  for (const char* name : {"image_2", "image_3", "disparity", "gt", "labels"})
+  std::vector<const char*> names = {"image_2", "image_3"};
+  if (lens == synthetic::Lens::pinhole)
+    names.insert(names.end(), {"disparity", "gt", "labels"});
+  for (const char* name : names)
     makeOutputFolder(folder_ + "/" + name);
 }
 
@@ -65,17 +90,31 @@ SyntheticWriter::writeSequence(const SyntheticScene& scene,
                                const StereoCamera& camera) const
 {
   std::string times;
+  const bool is_rig = lens_ != synthetic::Lens::pinhole; // its camera 0 is the left one
+  const Eigen::Translation3d offset(is_rig ? SyntheticRenderer::camera_2_offset : 0.0,
+                                    0.0, 0.0);
   Trajectory poses;
   for (int frame = 0; frame < scene.frames(); ++frame) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.6e\n",
                   frame * SyntheticScene::seconds_per_frame);
     times += text;
-    poses.push_back(scene.kittiPose(frame));
+    poses.push_back(offset.inverse() * scene.kittiPose(frame) * offset);
   }
-  writeTextFile(folder_ + "/calib.txt", calibration(camera));
+  if (is_rig)
+    writeTextFile(folder_ + "/camchain.yaml", camchain(camera));
+  else
+    writeTextFile(folder_ + "/calib.txt", calibration(camera));
   writeTextFile(folder_ + "/times.txt", times);
   writeKittiTrajectory(folder_ + "/poses.txt", poses);
+}
+
+void
+SyntheticWriter::writeImages(const SyntheticView& view) const
+{
+  const std::string png = "/" + frameFileName(view.frame, ".png");
+  writePng(folder_ + "/image_2" + png, view.left);
+  writePng(folder_ + "/image_3" + png, view.right);
 }
 
 void
@@ -86,8 +125,7 @@ SyntheticWriter::writeFrame(const SyntheticView& view,
   cv::Mat disparity;
   view.disparity.convertTo(disparity, CV_16UC1, 256.0);
   disparity.setTo(0, view.disparity > 255.99); // exceeds the format: none
-  writePng(folder_ + "/image_2" + png, view.left);
-  writePng(folder_ + "/image_3" + png, view.right);
+  writeImages(view);
   writePng(folder_ + "/disparity" + png, disparity);
   writePng(folder_ + "/gt" + png, view.labels);
   writeDistributions(folder_ + "/labels/" + frameFileName(view.frame, ".bin"),

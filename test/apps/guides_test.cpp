@@ -4,6 +4,8 @@
 // a folder that looks like the project once it is built; every file that is shown is
 // written where its first line says; C++ is a part of an example, which is compiled.
 
+#include "core/text_stream.h"
+#include "images/grey_image.h"
 #include "support/onnx_writer.h"
 #include "support/own_camera.h"
 #include "support/thrown_message.h"
@@ -109,7 +111,7 @@ const std::string docs = PCL_SEMANTIC_SOURCE_DIR "/doc/";
 const char* const readme = PCL_SEMANTIC_SOURCE_DIR "/README.md";
 const char* const guides[] = {"tutorial.md",     "own_clouds.md", "own_network.md",
                               "how_it_works.md", "viewing.md",    "survey.md",
-                              "rgbd.md"};
+                              "rgbd.md",         "fisheye.md",    "euroc.md"};
 
 // The project, and what its reader brings along: cameras and networks.
 void
@@ -132,6 +134,33 @@ layOut(const TemporaryFolder& folder)
   park.weights.assign(21, 0.0f);
   park.bias = {0.0f, 0.0f, 3.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // all is grass
   folder.write("park/park.onnx", park.file());
+}
+
+// The street in the layout of EuRoC, grey.
+void
+writeEuroc(const std::string& folder)
+{
+  const KittiSequence street(tinyStreet());
+  const StereoCamera& camera = street.camera();
+  for (const std::string side : {"cam0", "cam1"}) {
+    const std::string images = folder + "/mav0/" + side + "/data";
+    fs::create_directories(images);
+    TextStream yaml;
+    yaml.precision(17);
+    yaml << "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, "
+         << (side == "cam0" ? 0.0 : camera.baseline)
+         << ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [" << camera.width
+         << ", " << camera.height << "]\ncamera_model: pinhole\nintrinsics: ["
+         << camera.fx << ", " << camera.fy << ", " << camera.cx << ", " << camera.cy
+         << "]\ndistortion_model: radial-tangential\n"
+            "distortion_coefficients: [0, 0, 0, 0]\n";
+    std::ofstream(folder + "/mav0/" + side + "/sensor.yaml") << yaml.str();
+    for (const int frame : {0, 1, 2}) {
+      const StereoFrame pair = street.frame(std::size_t(frame));
+      writePng(images + "/140363657976355558" + std::to_string(4 + frame) + ".png",
+               greyImage(side == "cam0" ? pair.left : pair.right));
+    }
+  }
 }
 
 // The file that a block shows, by its first line: "# NAME". Empty if it shows none.
@@ -347,6 +376,25 @@ TEST(Guides, AnRgbdRecordingBecomesAMap)
   EXPECT_TRUE(fs::exists(folder.path("first_map/map.pcd")));
   EXPECT_EQ(readKittiTrajectory(folder.path("poses.txt")).size(), 24u);
   EXPECT_TRUE(fs::exists(folder.path("map.png")));
+}
+
+TEST(Guides, FisheyesBecomeMaps)
+{
+  const TemporaryFolder folder;
+  layOut(folder);
+  follow("fisheye.md", folder);
+  for (const char* const picture : {"first_map.png", "room_map.png"})
+    EXPECT_TRUE(fs::exists(folder.path(picture)));
+}
+
+TEST(Guides, AnEurocRecordingBecomesAMap)
+{
+  const TemporaryFolder folder;
+  layOut(folder);
+  writeEuroc(folder.path("V1_01_easy"));
+  follow("euroc.md", folder);
+  EXPECT_EQ(readTumTrajectory(folder.path("poses.txt")).size(), 3u);
+  EXPECT_TRUE(fs::exists(folder.path("first_map.png")));
 }
 
 TEST(Guides, HowItWorksNamesFilesThatAreThere)
