@@ -52,10 +52,10 @@ const Usage live_usage{
   | --rgbd DIR --intrinsics FX,FY,CX,CY)
   --output DIR (--labels DIR | --network FILE.yaml) [options])",
     R"(Maps live frames until Ctrl-C, then finishes and writes the map. SEQUENCE and
---rgbd are folders that another program fills. --left and --right are cameras (0, /dev/video0), streams
-(rtsp://...) or videos; one camera with both images side by side is given as both. Maps
-the newest pair and drops earlier ones. Labels are fused when they are ready. No images
-of the frames are written.)",
+--rgbd are folders that another program fills. --left and --right are cameras (0,
+/dev/video0), streams (rtsp://...) or videos; one camera with both images side by side
+is given as both. Maps the newest pair and drops earlier ones. Labels are fused when
+they are ready. No images of the frames are written.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   timeout --preserve-status -s INT 10 \
     pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",

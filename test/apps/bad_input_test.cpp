@@ -196,7 +196,7 @@ TEST(BadInput, LoopsOfLinks)
          addScan(street);
          loop("velodyne/000000.bin")(street);
        }},
-      {3, "has neither rgb.txt nor a folder 'rgb'",
+      {3, "is no RGB-D sequence",
        "map --rgbd STREET --calibration STREET/calib.txt --poses STREET/poses.txt "
        "--output OUT " +
            labels,

@@ -222,6 +222,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"scene", {{"room"}, {"street"}}},
     {"depth-noise", {{"0"}}},
     {"from", {{"0,0,4"}}},
+    {"lens", {{"fisheye"}}},
     {"ground", {{"road"}}},
     {"ground-reach", {{"0.4"}}},
     {"gap", {{"0.3"}}},

@@ -229,7 +229,7 @@ doors()
       {"objects",
        [](const std::string& b) { readObjects(fileOf(b, "o.json"), threeClasses()); }},
       {"pinhole_camera",
-       [](const std::string& b) { undistort(fileOf(b, "camera.yaml")); }},
+       [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
       {"pinhole_camera_txt",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "calib.txt")); }},
       {"poses_frame",
@@ -258,7 +258,9 @@ doors()
          readMapSummary(scratch().path(""));
        }},
       {"tile_index", readTileIndex},
-      {"times", [](const std::string& b) { readTimes(fileOf(b, "times.txt")); }}};
+      {"times", [](const std::string& b) { readTimes(fileOf(b, "times.txt")); }},
+      {"undistorter",
+       [](const std::string& b) { undistort(fileOf(b, "camera.yaml")); }}};
   return all;
 }
 
