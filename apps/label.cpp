@@ -256,10 +256,11 @@ readSensorPose(const std::string& path)
 class LabelCarrier {
 public:
   // Uses the images of a folder in KITTI's layout, or those of one camera: `left` and
-  // its camera as `calibration` or intrinsics. Without a file the scanner's pose in the
-  // camera is the sequence's.
+  // its camera as `calibration` or intrinsics. Labels may be stored. Without a file the
+  // scanner's pose in the camera is the sequence's.
   LabelCarrier(const SequenceFiles& images, const std::string& intrinsics,
-               const std::string& sensor_pose, const VisibilityParameters& visibility)
+               const std::string& sensor_pose, const VisibilityParameters& visibility,
+               bool stored)
       : visibility_(visibility)
   {
     visibility.validate();
@@ -267,6 +268,9 @@ public:
       const PinholeCamera camera =
           pinholeCameraOf(images.files.calibration, intrinsics);
       warnOf(camera.doubts);
+      if (camera.isDistorted() && stored)
+        warn("--labels have to be of the undistorted images; pcl_semantic_label "
+             "--images --calibration stores these");
       images_.emplace(images.files.left, camera);
     }
     else {
@@ -482,7 +486,8 @@ labelClouds(const Arguments& arguments)
   std::optional<LabelCarrier> carrier;
   if (arguments.carries())
     carrier.emplace(arguments.sequence, arguments.rgbd.intrinsics,
-                    arguments.sensor_pose, visibilityOf(arguments));
+                    arguments.sensor_pose, visibilityOf(arguments),
+                    !arguments.labels.empty());
   const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
   std::vector<int> frames;
   for (const std::size_t i : chosen) {

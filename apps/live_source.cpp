@@ -28,9 +28,16 @@ waitFor(const std::string& what, HoldsFrame&& holdsFrame)
   StatusLine status("live");
   if (!holdsFrame())
     status.show("waiting for " + what);
+  constexpr std::chrono::seconds patience(5);
+  const auto begin = std::chrono::steady_clock::now();
+  bool has_warned = false;
   while (!holdsFrame()) {
     if (interrupted())
       throw Exit{exit_interrupted};
+    if (!has_warned && std::chrono::steady_clock::now() - begin > patience) {
+      warn("still waiting for " + what + ", with names like 000000.png");
+      has_warned = true;
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
 }

@@ -102,6 +102,10 @@ inputsOf(MapInputs& inputs, MapProgram program)
                "SEQUENCE"},
       {"rgbd", "folder with rgb/ and depth/ that another program fills, instead of "
                "SEQUENCE; needs --calibration or --intrinsics"},
+      {"calibration",
+       "calibration of --left and --right, or the camera of --rgbd: OpenCV, "
+       "Kalibr, ROS, EuRoC (.yaml), KITTI or Middlebury (.txt)"},
+      {"depth_scale", "value of 1 m in the depth images of --rgbd; 0 = 1000"},
       {"right", "right camera, stream or video; the same name as --left if each image "
                 "holds both sides"},
       {"times", "time stamps of the images with --every-frame, one per line [s] "

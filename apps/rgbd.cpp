@@ -21,8 +21,8 @@ const Usage usage{
     "pcl_semantic_rgbd", "SEQUENCE OUT [options]",
     R"(Converts the frames of an RGB-D camera to organized coloured clouds (.pcd) in the camera
 frame. pcl_semantic_label labels these clouds and pcl_semantic_map --clouds maps them.
-SEQUENCE has the layout of TUM's benchmark (rgb.txt, depth.txt), or folders rgb
-and depth whose files have the same names; depth is registered to colour.)",
+SEQUENCE has folders rgb (or color) and depth whose files have the same names, or
+the layout of TUM (rgb.txt, depth.txt) or 7-Scenes; depth is registered to colour.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --also depth && mkdir -p /tmp/rgbd && \
@@ -46,12 +46,14 @@ parse(int argc, char** argv)
       {{"sequence", options.sequence.folder, "folder of the RGB-D sequence"},
        {"output", options.output, "output folder"},
        {"calibration", options.calibration,
-        "camera of undistorted images: ROS camera_info, OpenCV, Kalibr's camchain or "
-        "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt"},
+        "camera and its lens: ROS camera_info, OpenCV, Kalibr's camchain or EuRoC's "
+        "sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt"},
        {"intrinsics", options.sequence.intrinsics,
         "intrinsics fx,fy,cx,cy instead of --calibration [px]"},
        {"depth-scale", withDefault(options.sequence.depth_scale),
-        "value of 1 m in the depth images; 0 = 5000 in TUM's layout, else 1000"},
+        "value of 1 m in the depth images; 0 = 5000 in TUM's layout, 1 for float "
+        "images, "
+        "else 1000"},
        {"depth-within", withDefault(options.sequence.depth_within),
         "maximum difference between the times of a colour image and its depth image in "
         "TUM's layout [s]"},
@@ -88,7 +90,13 @@ convert(const Options& options)
                                   [](const auto& point) { return point.z > 0.0f; })) /
              double(frame.cloud->size());
   });
-  if (!(valid > 0.0))
+  const bool has_depths = unmeasured < sequence.size() *
+                                           std::size_t(sequence.camera().width) *
+                                           std::size_t(sequence.camera().height);
+  if (!has_depths)
+    warn(options.sequence.folder +
+         ": no depth image has a measurement: all are 0 or 65535");
+  else if (!(valid > 0.0))
     warn("no pixel has a depth within --max-depth; does --depth-scale fit?");
   printResults({{"clouds", sequence.size()},
                 {"valid_fraction", valid / double(sequence.size())},

@@ -450,7 +450,9 @@ distributionsOf(const py::object& probabilities, py::ssize_t points)
 {
   if (probabilities.is_none())
     return {};
-  const py::array any = numbersOf(probabilities);
+  py::array any = numbersOf(probabilities);
+  if (any.ndim() == 3 && any.shape(0) * any.shape(1) == points) // of an image
+    any = any.reshape({points, any.shape(2)});
   requireShape(any, "probabilities", points, kAny);
   if (any.ndim() == 1 || (points == 0 && any.shape(1) == 0))
     return {};

@@ -123,8 +123,11 @@ bindCameras(py::module_& module)
       [](const Path& path) {
         const PinholeCamera camera = released([&] { return readPinholeCamera(path); });
         if (camera.isDistorted())
-          badInput(path.text, ": has a distortion, expected the camera of undistorted "
-                              "images, with coefficients of 0");
+          badInput(path.text, camera.is_fisheye
+                                  ? ": is a fisheye's, expected the camera of "
+                                    "undistorted images"
+                                  : ": has a distortion, expected the camera of "
+                                    "undistorted images, with coefficients of 0");
         warnOf(camera.doubts);
         for (const std::string& doubt :
              doubtsOf(StereoCamera{camera.fx, camera.fy, camera.cx, camera.cy, 1.0,
@@ -144,9 +147,11 @@ bindCameras(py::module_& module)
       "the\n"
       "file states none), of ROS' camera_info, OpenCV's camera_matrix, Kalibr's "
       "camchain or\n"
-      "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt. Binning and a "
-      "region\n"
-      "of interest are applied; P of rectified images takes the place of K.");
+      "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt, or a line fx fy "
+      "cx cy\n"
+      "(.txt). A distortion or a fisheye is refused. Binning and a region of interest "
+      "are\n"
+      "applied; P of rectified images takes the place of K.");
   module.attr("pixel_feature_names") = py::make_tuple(
       feature_names[0], feature_names[1], feature_names[2], feature_names[3],
       feature_names[4], feature_names[5], feature_names[6]);

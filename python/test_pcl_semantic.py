@@ -313,7 +313,7 @@ class Mapper(unittest.TestCase):
         image[:] = 10, 20, 30
         probabilities = np.zeros((2400, 11))
         probabilities[:, 4] = 1
-        for labels in (None, probabilities):
+        for labels in (None, probabilities, probabilities.reshape(40, 60, 11)):
             mapper = pcl_semantic.SemanticMapper(LABEL_SET, crf="none", camera=camera)
             frame = mapper.process_rgbd(image, depths, np.eye(4), probabilities=labels)
             voxels = frame["voxels"]

@@ -134,6 +134,17 @@ checkFolder(const Options& options)
   if (std::filesystem::exists(longer, error))
     fail<InvalidParameterException>(longer,
                                     ": is of a longer sequence, expected a new folder");
+  // Truth is written for pinhole cameras alone.
+  const auto isThere = [&](const char* name) {
+    return std::filesystem::exists(options.output + name, error);
+  };
+  const bool is_other_lens =
+      options.isFisheye()
+          ? isThere("/gt")
+          : (isThere("/camchain.yaml") || isThere("/camera.yaml")) && !isThere("/gt");
+  if (is_other_lens)
+    fail<InvalidParameterException>(options.output,
+                                    ": is of another lens, expected a new folder");
   if (std::filesystem::exists(other, error))
     fail<InvalidParameterException>(other,
                                     ": is of another scene, expected a new folder");

@@ -214,8 +214,11 @@ std::optional<CameraFile>
 readIntrinsicsLine(const std::string& path)
 {
   std::vector<TextLine> lines = readLines(path);
-  while (!lines.empty() && lines.back().text.empty())
-    lines.pop_back();
+  lines.erase(std::remove_if(lines.begin(), lines.end(),
+                             [](const TextLine& line) {
+                               return line.text.empty() || line.text[0] == '#';
+                             }),
+              lines.end());
   if (lines.size() != 1 || wordsOf(lines[0].text).size() != 4)
     return std::nullopt;
   const std::vector<double> values =

@@ -125,7 +125,8 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
     if (row == rows.end())
       fail<BadInputException>(path, ": has no row '", name,
                               ":', expected KITTI's calibration (YAML files of ROS, "
-                              "Kalibr and OpenCV are read, too)");
+                              "Kalibr and OpenCV are read, too; of one camera also a "
+                              "line fx fy cx cy)");
     return row->second;
   };
   const Row& left = find(grey ? "P0" : "P2");

@@ -86,8 +86,10 @@ readPinholeCamera(const std::string& path)
     camera.doubts.push_back(
         file.distortion +
         (file.is_fisheye
-             ? ": the images of this fisheye are undistorted; is it not done already?"
-             : ": the images are undistorted with these coefficients; if they are "
+             ? ": the images of this fisheye will be undistorted; if they are already, "
+               "state "
+               "the model plumb_bob with zeros, and P as K"
+             : ": the images will be undistorted with these coefficients; if they are "
                "already (ROS' image_rect), state zeros, and P as K"));
   }
   readFrom(path, [&] { camera.validate(); });

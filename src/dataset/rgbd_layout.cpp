@@ -66,7 +66,7 @@ layoutOfTum(const std::string& folder, double depth_within)
         });
     if (std::abs(nearest->time - colour.time) <= depth_within)
       layout.frames.push_back(
-          {colour.word, colour.path, nearest->path, colour.time, int(number)});
+          {colour.word, colour.path, nearest->path, "", colour.time, int(number)});
   }
   if (layout.frames.empty())
     fail<BadInputException>(folder, "/depth.txt: no time is within ", depth_within,
@@ -87,7 +87,7 @@ layoutOfTum(const std::string& folder, double depth_within)
 std::string
 depthOf(const std::string& stem, const std::string& colour)
 {
-  for (const char* const extension : {".png", ".tif", ".tiff"})
+  for (const char* const extension : {".png", ".tif", ".tiff", ".PNG", ".TIF", ".TIFF"})
     if (isThere(stem + extension))
       return stem + extension;
   badInput(stem, ".png: is missing, the depth image of ", colour);
@@ -118,7 +118,7 @@ layoutOfFolders(const std::string& folder, const std::string& colours)
   for (const std::string& colour : findFiles(colours, imageExtensions())) {
     const std::string name = fs::path(colour).stem().string();
     layout.frames.push_back({name, colour, depthOf(folder + "/depth/" + name, colour),
-                             0.1 * double(layout.frames.size()),
+                             "", 0.1 * double(layout.frames.size()),
                              int(layout.frames.size())});
   }
   takeTimesFromNames(layout);
@@ -129,8 +129,11 @@ layoutOfFolders(const std::string& folder, const std::string& colours)
         " of its images have no colour image in " + colours + " and are ignored");
   if (isThere(folder + "/groundtruth.txt"))
     layout.poses = folder + "/groundtruth.txt";
-  else if (isFolder(folder + "/pose"))
+  else if (isFolder(folder + "/pose")) {
     layout.poses = folder + "/pose";
+    for (RgbdLayout::Files& files : layout.frames)
+      files.pose = layout.poses + "/" + files.name + ".txt";
+  }
   return layout;
 }
 
@@ -141,34 +144,16 @@ layoutOf7Scenes(const std::string& folder, const std::vector<std::string>& colou
   for (const std::string& colour : colours) {
     const std::string name = fs::path(colour).stem().stem().string();
     layout.frames.push_back(
-        {name, colour, depthOf(folder + "/" + name + ".depth", colour),
+        {name, colour, depthOf(folder + "/" + name + ".depth", colour), "",
          0.1 * double(layout.frames.size()), int(layout.frames.size())});
   }
-  if (isThere(folder + "/" + layout.frames.front().name + ".pose.txt"))
-    layout.poses = folder;
-  return layout;
-}
-
-// Tracking that failed leaves matrices of infinity or NaN.
-void
-skipLostFrames(RgbdLayout& layout)
-{
-  const Trajectory poses = readKittiTrajectory(layout.poses);
-  if (poses.size() != layout.frames.size())
-    badInput(layout.poses, ": has ", poses.size(), " files of poses, expected ",
-             layout.frames.size(), ", one for each colour image");
-  std::vector<RgbdLayout::Files> known;
+  if (filesEndingIn(".pose.txt", folder).empty())
+    return layout;
+  layout.poses = folder;
+  layout.pose_frame = PoseFrame::first_camera; // axes of a camera
   for (RgbdLayout::Files& files : layout.frames)
-    if (poses[std::size_t(files.number)].matrix().allFinite())
-      known.push_back(std::move(files));
-  const std::size_t lost = layout.frames.size() - known.size();
-  if (known.empty())
-    badInput(layout.poses, ": no frame has a finite pose");
-  if (lost > 0)
-    layout.doubts.push_back(layout.poses + ": " + std::to_string(lost) + " of " +
-                            std::to_string(poses.size()) +
-                            " frames have no finite pose and are skipped");
-  layout.frames = std::move(known);
+    files.pose = folder + "/" + files.name + ".pose.txt";
+  return layout;
 }
 
 } // namespace
@@ -176,25 +161,30 @@ skipLostFrames(RgbdLayout& layout)
 RgbdLayout
 rgbdLayoutOf(const std::string& folder, double depth_within)
 {
-  if (isThere(folder + "/rgb.txt"))
-    return layoutOfTum(folder, depth_within);
-  RgbdLayout layout;
   std::vector<std::string> of_frames = filesEndingIn(".color.png", folder);
   if (of_frames.empty())
     of_frames = filesEndingIn(".color.jpg", folder);
-  if (!of_frames.empty())
+  const bool has_rgb = isFolder(folder + "/rgb"),
+             has_color = isFolder(folder + "/color");
+  RgbdLayout layout;
+  if (isThere(folder + "/rgb.txt"))
+    layout = layoutOfTum(folder, depth_within);
+  else if (!of_frames.empty())
     layout = layoutOf7Scenes(folder, of_frames);
   else {
-    const std::string colours =
-        folder + (isFolder(folder + "/rgb") ? "/rgb" : "/color");
+    const std::string colours = folder + (has_rgb ? "/rgb" : "/color");
     if (!isFolder(colours) || !isFolder(folder + "/depth"))
       badInput(folder, ": is no RGB-D sequence, expected folders rgb (or color) and "
                        "depth, rgb.txt and depth.txt (TUM), or frame-N.color.png and "
                        "frame-N.depth.png (7-Scenes)");
     layout = layoutOfFolders(folder, colours);
   }
-  if (isFolder(layout.poses))
-    skipLostFrames(layout);
+  const bool uses_frames = !layout.is_tum && !of_frames.empty();
+  if ((has_rgb && has_color) || (!of_frames.empty() && (has_rgb || layout.is_tum)))
+    layout.doubts.push_back(
+        folder + ": has colour images in two layouts; those in " +
+        fs::path(layout.frames.front().colour).parent_path().string() +
+        (uses_frames ? " named frame-N.color" : "") + " are used");
   return layout;
 }
 

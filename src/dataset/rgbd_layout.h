@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/files/pose_doubts.h>
+
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@ namespace pcl_semantic {
 struct RgbdLayout {
   struct Files {
     std::string name, colour, depth;
+    std::string pose;  ///< file of its pose; may be missing; empty = none
     double time = 0.0; // [s]
     int number = 0;
   };
@@ -17,7 +20,10 @@ struct RgbdLayout {
   std::vector<Files> frames;
   bool is_tum = false;    ///< with lists of times
   bool has_times = false; ///< otherwise frames count as 0.1 s apart
-  std::string poses;      ///< path of the trajectory in the folder; empty = none
+  /// Path of the trajectory in the folder, or of the folder of the pose files; empty =
+  /// none.
+  std::string poses;
+  PoseFrame pose_frame = PoseFrame::camera;
   std::vector<std::string> doubts{};
 };
 

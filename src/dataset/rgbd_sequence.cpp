@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 
 #include "core/fail.h"
+#include "files/is_there.h"
 #include "rgbd_layout.h"
 #include "rgbd_reader.h"
 
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -112,10 +114,12 @@ RgbdSequence::RgbdSequence(const std::string& folder, double depth_scale,
   is_tum_ = layout.is_tum;
   has_times_ = layout.has_times;
   poses_ = std::move(layout.poses);
+  pose_frame_ = layout.pose_frame;
   doubts_ = std::move(layout.doubts);
   for (RgbdLayout::Files& files : layout.frames)
     frames_.push_back({std::move(files.name), std::move(files.colour),
-                       std::move(files.depth), files.time, files.number});
+                       std::move(files.depth), std::move(files.pose), files.time,
+                       files.number});
 }
 
 std::map<int, std::string>
@@ -129,6 +133,44 @@ RgbdSequence::colourImages(const std::string& folder, double depth_within,
   if (doubts)
     doubts->insert(doubts->end(), sequence.doubts_.begin(), sequence.doubts_.end());
   return paths;
+}
+
+bool
+RgbdSequence::hasPoseFiles() const
+{
+  return isFolder(poses_);
+}
+
+StoredTrajectory
+RgbdSequence::takePoseFiles()
+{
+  StoredTrajectory read{poses_, pose_frame_, TrajectoryFormat::kitti, {}, {}};
+  TimedPose lost;
+  lost.pose.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+  read.poses.assign(std::size_t(frames_.back().number) + 1, lost);
+  Trajectory known;
+  std::vector<Files> kept;
+  for (Files& files : frames_) {
+    if (!isThere(files.pose))
+      badInput(files.pose, ": is missing, the pose of ", files.colour,
+               "; --poses gives another trajectory");
+    const Eigen::Isometry3d pose = readPoseFile(files.pose, &read.doubts);
+    read.poses[std::size_t(files.number)].pose = pose;
+    if (!pose.matrix().allFinite())
+      continue;
+    known.push_back(pose);
+    kept.push_back(std::move(files));
+  }
+  if (kept.empty())
+    badInput(poses_, ": no frame has a finite pose");
+  if (kept.size() < frames_.size())
+    read.doubts.push_back(poses_ + ": " + std::to_string(frames_.size() - kept.size()) +
+                          " of " + std::to_string(frames_.size()) +
+                          " frames have no finite pose and are skipped");
+  for (const std::string& doubt : doubtsOf(known, pose_frame_, false))
+    read.doubts.push_back(poses_ + ": " + doubt);
+  frames_ = std::move(kept);
+  return read;
 }
 
 std::vector<std::string>

@@ -155,13 +155,9 @@ readTrajectory(const std::string& path, PoseFrame frame)
       poses.push_back(timed.pose);
   }
   else {
-    if (frame == PoseFrame::camera && holdsPosesOf7Scenes(path))
-      read.frame = frame = PoseFrame::first_camera;
-    for (const Eigen::Isometry3d& pose : readKittiTrajectory(path, &read.doubts)) {
+    poses = readKittiTrajectory(path, &read.doubts);
+    for (const Eigen::Isometry3d& pose : poses)
       read.poses.push_back({0.0, pose});
-      if (pose.matrix().allFinite()) // else the camera was lost
-        poses.push_back(pose);
-    }
   }
   for (const std::string& doubt : doubtsOf(poses, frame, is_tum))
     read.doubts.push_back(path + ": " + doubt);

@@ -81,7 +81,8 @@ StoredPoses::find(const FrameTime& frame) const
     return at(frame.timestamp);
   if (frame.number < 0 || std::size_t(frame.number) >= poses.size())
     return std::nullopt;
-  return poses[std::size_t(frame.number)].pose;
+  const Eigen::Isometry3d& pose = poses[std::size_t(frame.number)].pose;
+  return pose.matrix().allFinite() ? std::optional(pose) : std::nullopt;
 }
 
 std::optional<Eigen::Isometry3d>

@@ -3,8 +3,6 @@
 
 #include "core/fail.h"
 #include "core/split.h"
-#include "files/file_pattern.h"
-#include "files/is_there.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -22,8 +20,6 @@ namespace pcl_semantic {
 namespace {
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
-
-constexpr const char* kPosesOf7Scenes = ".pose.txt";
 
 constexpr double kRounding = 1e-6;     // of double precision
 constexpr double kTextRounding = 1e-4; // of numbers with few digits
@@ -123,42 +119,6 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
   return poseOf(RowMajor34(numbers.data()), where, lineText(line.number), repairs);
 }
 
-// A file with the 4 x 4 matrix of one pose. Where tracking failed, it has infinities or
-// NaN, which old programs for Windows wrote as "-1.#IND".
-Eigen::Isometry3d
-readPoseFile(const std::string& path, Repairs& repairs)
-{
-  std::vector<double> numbers;
-  for (const TextLine& line : readLines(path))
-    for (const std::string_view word : wordsOf(line.text))
-      numbers.push_back(
-          word.find(".#") != std::string_view::npos
-              ? std::numeric_limits<double>::quiet_NaN()
-              : parseNumber(std::string(word), atLine(path, line.number)));
-  if (numbers.size() != 16)
-    badInput(path, ": has ", numbers.size(), " numbers, expected 16 (a 4 x 4 pose)");
-  Eigen::Isometry3d lost;
-  lost.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
-  if (!std::all_of(numbers.begin(), numbers.end(),
-                   [](double number) { return std::isfinite(number); }))
-    return lost;
-  if (!std::equal(numbers.begin() + 12, numbers.end(),
-                  std::array{0., 0., 0., 1.}.begin()))
-    badInput(path, ": the last row of its matrix is not 0 0 0 1");
-  return poseOf(RowMajor34(numbers.data()), path, path, repairs);
-}
-
-// The i-th file has the pose of frame i.
-std::vector<std::string>
-poseFilesIn(const std::string& folder)
-{
-  const std::vector<std::string> files =
-      filesEndingIn(holdsPosesOf7Scenes(folder) ? kPosesOf7Scenes : ".txt", folder);
-  if (files.empty())
-    badInput(folder, ": has no file of a pose, *.txt");
-  return files;
-}
-
 TimedPose
 parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
@@ -197,17 +157,9 @@ refuseOtherTrajectories(const std::string& text, const std::string& path, int nu
 
 } // namespace
 
-bool
-holdsPosesOf7Scenes(const std::string& path)
-{
-  return isFolder(path) && !filesEndingIn(kPosesOf7Scenes, path).empty();
-}
-
 TrajectoryFormat
 trajectoryFormatOf(const std::string& path)
 {
-  if (isFolder(path))
-    return TrajectoryFormat::kitti;
   for (const TextLine& line : readLines(path)) {
     if (line.text.empty() || isComment(line.text))
       continue;
@@ -228,16 +180,40 @@ readKittiTrajectory(const std::string& path, std::vector<std::string>* doubts)
 {
   Repairs repairs;
   Trajectory trajectory;
-  if (isFolder(path))
-    for (const std::string& file : poseFilesIn(path))
-      trajectory.push_back(readPoseFile(file, repairs));
-  else
-    for (const TextLine& line : rowsOf(path))
-      trajectory.push_back(parsePose(line, path, repairs));
+  for (const TextLine& line : rowsOf(path))
+    trajectory.push_back(parsePose(line, path, repairs));
   if (trajectory.empty())
     badInput(path, ": holds no pose");
   repairs.addTo(doubts, path, trajectory.size());
   return trajectory;
+}
+
+// Old programs for Windows wrote NaN as "-1.#IND".
+Eigen::Isometry3d
+readPoseFile(const std::string& path, std::vector<std::string>* doubts)
+{
+  std::vector<double> numbers;
+  for (const TextLine& line : readLines(path))
+    for (const std::string_view word : wordsOf(line.text))
+      numbers.push_back(
+          word.find(".#") != std::string_view::npos
+              ? std::numeric_limits<double>::quiet_NaN()
+              : parseNumber(std::string(word), atLine(path, line.number)));
+  if (numbers.size() != 16)
+    badInput(path, ": has ", numbers.size(), " numbers, expected 16 (a 4 x 4 pose)");
+  Eigen::Isometry3d lost;
+  lost.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (!std::all_of(numbers.begin(), numbers.end(),
+                   [](double number) { return std::isfinite(number); }))
+    return lost;
+  if (!std::equal(numbers.begin() + 12, numbers.end(),
+                  std::array{0., 0., 0., 1.}.begin()))
+    badInput(path, ": the last row of its matrix is not 0 0 0 1");
+  Repairs repairs;
+  const Eigen::Isometry3d pose =
+      poseOf(RowMajor34(numbers.data()), path, "its matrix", repairs);
+  repairs.addTo(doubts, path, 1);
+  return pose;
 }
 
 void

@@ -21,13 +21,6 @@ namespace pcl_semantic {
 
 namespace {
 
-bool
-hasPosition(const Eigen::Vector3f& position)
-{
-  // Written so that NaN fails.
-  return (position.array().abs() <= CloudCRF::max_coordinate).all();
-}
-
 // Indices of points with a position, without duplicates, ascending.
 pcl::Indices
 validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
@@ -47,7 +40,7 @@ validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
     if (!chosen[i])
       continue;
     const auto position = positions.col(Eigen::Index(i));
-    if (hasPosition(position) && !(zero_is_none && position.isZero(0.0f)))
+    if (CloudCRF::hasPosition(position) && !(zero_is_none && position.isZero(0.0f)))
       valid.push_back(pcl::index_t(i));
     else
       ++skipped;

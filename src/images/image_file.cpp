@@ -10,6 +10,7 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
 #include <boost/crc.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -150,10 +151,17 @@ readJpeg(const std::string& path, cv::Size size, const std::string& like)
                      ImageKind::grey_or_colour, size, like, path);
 }
 
+std::string
+extensionOf(const std::string& path)
+{
+  return boost::algorithm::to_lower_copy(
+      std::filesystem::path(path).extension().string());
+}
+
 bool
 isTiff(const std::string& path)
 {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = extensionOf(path);
   return extension == ".tif" || extension == ".tiff";
 }
 
@@ -181,7 +189,7 @@ imageExtensions()
 cv::Mat
 readImage(const std::string& path, cv::Size size, const std::string& like)
 {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = extensionOf(path);
   if (extension == ".jpg" || extension == ".jpeg")
     return readJpeg(path, size, like);
   return isTiff(path) ? readTiff(path, ImageKind::grey_or_colour, size, like)

@@ -35,13 +35,6 @@ withoutNumbers(std::string text)
   return text;
 }
 
-// Written so that NaN fails.
-bool
-isNear(const Eigen::Vector3f& position)
-{
-  return (position.array().abs() <= CloudCRF::max_coordinate).all();
-}
-
 class Surveyor {
 public:
   Surveyor(PcdReader& reader, const LabelMapping* mapping,
@@ -171,7 +164,7 @@ private:
       const bool is_zero = absolute.isZero(0.0);
       survey_.no_returns += is_zero;
       const Eigen::Vector3f position = (absolute - sample.origin).cast<float>();
-      if (is_zero || !isNear(position))
+      if (is_zero || !CloudCRF::hasPosition(position))
         continue;
       has_place[i] = true;
       sample.low = sample.low.cwiseMin(position);
@@ -189,7 +182,7 @@ private:
     forEachBlock(reader_, [&](std::size_t, const PcdTable& table) {
       const Eigen::Matrix3Xf all = survey_.placesOf(table).positions;
       for (Eigen::Index i = 0; i < all.cols(); ++i)
-        if (isNear(all.col(i)) &&
+        if (CloudCRF::hasPosition(all.col(i)) &&
             isSampled(hash(all.col(i)), kSampleSize, reader_.size()))
           positions.push_back(all.col(i));
       step_();
@@ -232,7 +225,7 @@ CloudSurvey::placesOf(const PcdTable& table) const
     positions.col(i) = (absolute - sample.origin).cast<float>();
     const bool is_no_return = no_returns > 0 && absolute.isZero(0.0);
     places.no_returns[std::size_t(i)] = is_no_return;
-    if (is_no_return || !isNear(positions.col(i)))
+    if (is_no_return || !CloudCRF::hasPosition(positions.col(i)))
       positions.col(i).setConstant(std::numeric_limits<float>::quiet_NaN());
   }
   return places;
@@ -254,7 +247,7 @@ measureSpacing(PcdReader& reader, const std::function<void()>& step,
     Eigen::MatrixX3f axes(all.cols(), 3);
     Eigen::Index rows = 0;
     for (Eigen::Index i = 0; i < all.cols(); ++i)
-      if (isNear(all.col(i)))
+      if (CloudCRF::hasPosition(all.col(i)))
         axes.row(rows++) = all.col(i).transpose();
     survey.without_place += std::size_t(all.cols() - rows);
     spacing.add(axes.topRows(rows));

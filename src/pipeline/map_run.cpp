@@ -340,6 +340,7 @@ MapRun::mapFrames(MappingArchive& archive, MappingOutput* output)
     });
     ++frames_mapped_;
     is_empty_ = is_empty_ && mapped.voxels.size() == 0;
+    has_points_ = has_points_ || mapped.counts.invalid < mapped.counts.points;
     doubtDistance(mapped);
     doubtWindow(mapped);
     observer_.onMapped(*frame, mapped);
@@ -380,8 +381,9 @@ MapRun::run()
     error = std::current_exception();
   }
   if (is_empty_ && !error)
-    doubt("the map is empty: no point lies within --max-depth of the sensor "
-          "(coordinates are metres, in the sensor's frame)");
+    doubt(has_points_ ? "the map is empty: no point lies within --max-depth of the "
+                        "sensor (coordinates are metres, in the sensor's frame)"
+                      : "the map is empty: no frame has a point with a valid depth");
   if (!isLive())
     doubtTracking();
   if (error)

@@ -21,6 +21,8 @@
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/late_labels.h>
 
+#include <boost/crc.hpp>
+
 #include <map>
 #include <utility>
 
@@ -85,7 +87,7 @@ choosePoses(const MapInputs& inputs, const std::string& path)
     return inputs.poses;
   if (path.empty() && inputs.poses == "sequence")
     badInput(inputs.name(), ": has no ",
-             inputs.rgbd.folder.empty() ? "poses.txt" : "groundtruth.txt",
+             inputs.rgbd.folder.empty() ? "poses.txt" : "groundtruth.txt or pose files",
              "; give a trajectory with --poses");
   return path.empty() ? "odometry" : path;
 }
@@ -96,7 +98,7 @@ void
 addPoseGap(const MapInputs& inputs, const std::string& poses, OpenedInputs& opened)
 {
   if (inputs.given.count("pose-gap") > 0 &&
-      (poses == "odometry" || poses == "viewpoint" ||
+      (poses == "odometry" || poses == "viewpoint" || isFolder(poses) ||
        trajectoryFormatOf(poses) == TrajectoryFormat::kitti))
     badParameter("--pose-gap has no effect without the times of a TUM trajectory");
   if (inputs.pose_gap == StoredPoses::default_gap)
@@ -185,12 +187,26 @@ openLive(const MapInputs& inputs, const MapperConfig& config,
   append(opened.values, labels);
 }
 
+// A file that changes is found by its digest; so are the files of single poses.
+std::string
+digestOf(const StoredTrajectory& trajectory)
+{
+  boost::crc_32_type crc;
+  for (const TimedPose& timed : trajectory.poses)
+    crc.process_bytes(timed.pose.data(), sizeof(double) * 16);
+  return std::to_string(crc.checksum());
+}
+
 void
 openRgbd(const MapInputs& inputs, const MapperConfig& config,
          const InputOpeners& openers, OpenedInputs& opened)
 {
-  const auto sequence = std::make_shared<const RgbdSequence>(
-      inputs.rgbd, inputs.sequence.files.calibration);
+  const auto sequence =
+      std::make_shared<RgbdSequence>(inputs.rgbd, inputs.sequence.files.calibration);
+  const std::string poses = choosePoses(inputs, sequence->posesPath());
+  std::optional<StoredTrajectory> of_frames; // before the frames are selected
+  if (sequence->hasPoseFiles() && poses == sequence->posesPath())
+    of_frames = sequence->takePoseFiles();
   const NamedValues labels = openLabels(inputs, config, openers, opened);
   append(opened.doubts, sequence->doubts());
   opened.source =
@@ -202,8 +218,7 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
     opened.doubts.push_back(inputs.labels +
                             ": labels have to be of the undistorted images; "
                             "pcl_semantic_label --rgbd --calibration stores these");
-  const std::string poses = choosePoses(inputs, sequence->posesPath());
-  if (poses != "odometry" && !sequence->hasTimes() &&
+  if (poses != "odometry" && !of_frames && !sequence->hasTimes() &&
       trajectoryFormatOf(poses) == TrajectoryFormat::tum)
     opened.doubts.push_back(inputs.rgbd.folder +
                             "/rgb: its images have no times and count as 0.1 s apart, "
@@ -216,7 +231,11 @@ openRgbd(const MapInputs& inputs, const MapperConfig& config,
   opened.values.emplace_back("poses", poses);
   addPoseGap(inputs, poses, opened);
   append(opened.values, labels);
-  openPoses(poses == "odometry" ? "" : poses, opened, inputs.pose_gap);
+  if (!of_frames)
+    return openPoses(poses == "odometry" ? "" : poses, opened, inputs.pose_gap);
+  opened.values.emplace_back("pose_files", digestOf(*of_frames));
+  append(opened.doubts, of_frames->doubts);
+  opened.poses = posesOf(*of_frames);
 }
 
 // Reads a cloud whose labels do not matter.

@@ -142,7 +142,7 @@ TEST(RgbdMap, ImagesOfALensAreUndistorted)
   const auto command = [&](const std::string& text, const std::string& out) {
     return replaceAll(replaceAll(text, "STREET", street), "OUT", folder.path(out));
   };
-  const std::string told = "lens.yaml line 2: D: the images are undistorted";
+  const std::string told = "lens.yaml line 2: D: the images will be undistorted";
   EXPECT_TRUE(
       holds(succeed(command("label --rgbd STREET/rgbd --calibration STREET/lens.yaml "
                             "--network STREET/net.yaml --output OUT",
@@ -164,6 +164,51 @@ TEST(RgbdMap, ImagesOfALensAreUndistorted)
   EXPECT_FALSE(holds(direct, "labels have to be"));
   EXPECT_EQ(bytesOf(folder.path("stored/map.pcd")),
             bytesOf(folder.path("direct/map.pcd")));
+}
+
+// One file a frame, as ScanNet's.
+TEST(RgbdMap, PoseFilesAreFoundAndAreOfTheArchive)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  makeRgbd(street);
+  fs::create_directories(street + "/rgbd/pose");
+  const Trajectory poses = readKittiTrajectory(street + "/world.txt");
+  for (int frame = 0; frame < 3; ++frame)
+    std::ofstream(street + "/rgbd/pose/00000" + std::to_string(frame) + ".txt")
+        << std::setprecision(17) << poses[std::size_t(frame)].matrix();
+  const auto command = [&](const std::string& name) {
+    return replaceAll(replaceAll(run + "--archive OUT.map ", "STREET", street), "OUT",
+                      folder.path(name));
+  };
+  succeed(command("file"));
+  const std::string of_files =
+      replaceAll(command("files"), "--poses " + street + "/world.txt ", "");
+  succeed(of_files);
+  EXPECT_EQ(bytesOf(folder.path("files/map.pcd")),
+            bytesOf(folder.path("file/map.pcd")));
+  std::ofstream(street + "/rgbd/pose/000002.txt")
+      << "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n";
+  const ToolResult resumed = runTool(of_files + " --resume");
+  EXPECT_EQ(resumed.code, 3) << resumed.text;
+  EXPECT_TRUE(holds(resumed.text, "pose_files"));
+}
+
+TEST(RgbdMap, DepthImagesWithoutDepthsAreNamed)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  makeRgbd(street);
+  for (const char* const name : {"000000.png", "000001.png", "000002.png"})
+    writePng(street + "/rgbd/depth/" + name, cv::Mat(64, 208, CV_16UC1, cv::Scalar(0)));
+  EXPECT_TRUE(holds(
+      succeed(replaceAll(replaceAll(run, "STREET", street), "OUT", folder.path("out"))),
+      "the map is empty: no frame has a point with a valid depth"));
+  EXPECT_TRUE(holds(succeed("rgbd " + street + "/rgbd " + folder.path("clouds") +
+                            " --calibration " + street + "/camera.yaml"),
+                    "rgbd: no depth image has a measurement: all are 0 or 65535"));
 }
 
 TEST(RgbdMap, ADarkImageIsNamed)

@@ -116,6 +116,21 @@ TEST(StereoTool, FilesOfAnEarlierRunAreTold)
               "000003.png: is of a longer sequence");
 }
 
+TEST(StereoTool, AFolderOfAnotherLensIsRefused)
+{
+  const TemporaryFolder folder;
+  const std::string run = "synthesize --size 64x32 --frames 1 ";
+  for (const std::string scene : {"--scene street ", "--scene room "}) {
+    const std::string out = folder.path(scene.substr(8, 4));
+    succeed(run + scene + out);
+    succeed(run + scene + out);
+    expectFails(run + scene + "--lens fisheye " + out, 2, "is of another lens");
+    succeed(run + scene + "--lens fisheye " + out + "_fisheye");
+    succeed(run + scene + "--lens fisheye " + out + "_fisheye");
+    expectFails(run + scene + out + "_fisheye", 2, "is of another lens");
+  }
+}
+
 TEST(StereoTool, BracketsInPathsAreMeantAsTheyAre)
 {
   const TemporaryFolder folder;

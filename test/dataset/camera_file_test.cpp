@@ -152,8 +152,9 @@ TEST(CameraFile, ALensIsReadAndToldOf)
   EXPECT_FALSE(radial.is_fisheye);
   EXPECT_EQ(radial.fx, 400.0) << "P is of other images";
   ASSERT_EQ(radial.doubts.size(), 1u);
-  EXPECT_TRUE(holds(radial.doubts[0], "c.yaml line 5: D: the images are undistorted "
-                                      "with these coefficients; if they are already"));
+  EXPECT_TRUE(holds(radial.doubts[0],
+                    "c.yaml line 5: D: the images will be undistorted "
+                    "with these coefficients; if they are already"));
   for (const std::string model :
        {"distortion_model: equidistant\n", "fisheye_model: 1\n"}) {
     const PinholeCamera fisheye = read(size + K + no_distortion + model);
@@ -161,7 +162,8 @@ TEST(CameraFile, ALensIsReadAndToldOf)
     EXPECT_TRUE(fisheye.isDistorted())
         << "with coefficients of 0 it still is no pinhole";
     ASSERT_EQ(fisheye.doubts.size(), 1u);
-    EXPECT_TRUE(holds(fisheye.doubts[0], "the images of this fisheye are undistorted"));
+    EXPECT_TRUE(
+        holds(fisheye.doubts[0], "the images of this fisheye will be undistorted"));
   }
 }
 

@@ -187,29 +187,31 @@ TEST_F(Rgbd, SevenScenesAreReadAsTheyCome)
   write("frame-000001", "b", lost + lost + lost + lost);
   write("frame-000010", "b",
         "1.0e+000\t 0 0 1 \n0 1 0 0 \n0 0 1 3 \n0 0 0 1.0000000e+000 \n");
-  const RgbdSequence sequence(scene.path(), camera);
-  ASSERT_EQ(sequence.size(), 2u);
-  EXPECT_EQ(sequence.name(1), "frame-000010");
-  EXPECT_EQ(sequence.frameNumber(1), 2);
+  RgbdSequence sequence(scene.path(), camera);
+  EXPECT_EQ(sequence.size(), 3u);
+  EXPECT_EQ(sequence.name(2), "frame-000010");
   EXPECT_FALSE(sequence.hasTimes());
-  EXPECT_EQ(sequence.doubts().at(0),
-            scene.path() + ": 1 of 3 frames have no finite pose and are skipped");
   expectFirstFrame(sequence.frame(0), 1.0f);
   EXPECT_EQ(sequence.posesPath(), scene.path());
-  EXPECT_EQ(RgbdSequence::colourImages(scene.path()).size(), 2u);
-  const StoredPoses poses = readStoredPoses(sequence.posesPath(), PoseFrame::camera);
+  EXPECT_TRUE(sequence.hasPoseFiles());
+  EXPECT_EQ(RgbdSequence::colourImages(scene.path()).size(), 3u);
+  const StoredTrajectory read = sequence.takePoseFiles();
+  EXPECT_EQ(read.doubts.at(0),
+            scene.path() + ": 1 of 3 frames have no finite pose and are skipped");
+  ASSERT_EQ(sequence.size(), 2u);
+  EXPECT_EQ(sequence.frameNumber(1), 2);
+  const StoredPoses poses(read);
   const Eigen::Vector3d ahead =
       poses.pose({2, 0.0}).translation() - poses.pose({0, 0.0}).translation();
   EXPECT_TRUE(ahead.isApprox(Eigen::Vector3d(1.0, -0.5, 0.0))); // x forward, y left
+  expectBadInput("none for frame 1", [&] { poses.pose({1, 0.0}); });
+  const auto take = [&] { RgbdSequence(scene.path(), camera).takePoseFiles(); };
   scene.write("frame-000000.pose.txt", "1 0 0\n");
-  expectBadInput("has 3 numbers, expected 16 (a 4 x 4 pose)",
-                 [&] { RgbdSequence(scene.path(), camera); });
+  expectBadInput("has 3 numbers, expected 16 (a 4 x 4 pose)", take);
   scene.write("frame-000000.pose.txt", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1");
-  expectBadInput("the last row of its matrix is not 0 0 0 1",
-                 [&] { RgbdSequence(scene.path(), camera); });
+  expectBadInput("the last row of its matrix is not 0 0 0 1", take);
   std::filesystem::remove(scene.path("frame-000000.pose.txt"));
-  std::filesystem::remove(scene.path("frame-000001.pose.txt"));
-  EXPECT_EQ(RgbdSequence(scene.path(), camera).posesPath(), "") << "not of all frames";
+  expectBadInput("frame-000000.pose.txt: is missing, the pose of ", take);
 }
 
 // color, depth and pose, in a world with z up.
@@ -217,14 +219,25 @@ TEST_F(Rgbd, ScannetsFoldersAreReadAsTheyCome)
 {
   std::filesystem::rename(folder.path("rgb"), folder.path("color"));
   std::filesystem::create_directories(folder.path("pose"));
-  for (const std::string name : {"a", "b"})
-    folder.write("pose/" + name + ".txt", "0 0 1 5\n-1 0 0 6\n0 -1 0 7\n0 0 0 1\n");
-  const RgbdSequence sequence(folder.path(), camera);
+  const std::string turned = "0 0 1 5\n-1 0 0 6\n0 -1 0 ";
+  for (const std::string name : {"a", "a0", "b"}) // one more than there are images
+    folder.write("pose/" + name + ".txt",
+                 turned + (name == "b" ? "7" : "1") + "\n0 0 0 1\n");
+  RgbdSequence sequence(folder.path(), camera);
   EXPECT_EQ(sequence.size(), 2u);
-  const StoredPoses poses = readStoredPoses(sequence.posesPath(), PoseFrame::camera);
-  EXPECT_TRUE(poses.pose({1, 0.0}).translation().isApprox(Eigen::Vector3d(5, 6, 7)));
+  const StoredPoses poses(sequence.takePoseFiles());
+  EXPECT_TRUE(poses.pose({1, 0.0}).translation().isApprox(Eigen::Vector3d(5, 6, 7)))
+      << "by its name";
   std::filesystem::remove(folder.path("pose/a.txt"));
-  expectRefused("has 1 files of poses, expected 2");
+  expectBadInput("pose/a.txt: is missing, the pose of ",
+                 [&] { RgbdSequence(folder.path(), camera).takePoseFiles(); });
+  EXPECT_EQ(RgbdSequence(folder.path(), camera).size(), 2u)
+      << "poses that are not used do not matter";
+  std::filesystem::create_directories(folder.path("rgb"));
+  writePng(folder.path("rgb/a.png"), cv::Mat(2, 3, CV_8UC3, cv::Scalar(1, 2, 3)));
+  EXPECT_TRUE(
+      holds(RgbdSequence(folder.path(), camera).doubts().at(1),
+                    "has colour images in two layouts; those in " + folder.path("rgb")));
 }
 
 TEST_F(Rgbd, DepthsMayBeFloatsOrTiff)

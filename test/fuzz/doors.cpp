@@ -233,11 +233,7 @@ doors()
       {"pinhole_camera_txt",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "calib.txt")); }},
       {"poses_frame",
-       [](const std::string& b) {
-         std::filesystem::create_directories(scratch().path("poses"));
-         fileOf(b, "poses/0.pose.txt");
-         readKittiTrajectory(scratch().path("poses"));
-       }},
+       [](const std::string& b) { readPoseFile(fileOf(b, "0.pose.txt")); }},
       {"poses_kitti",
        [](const std::string& b) { readKittiTrajectory(fileOf(b, "poses.txt")); }},
       {"poses_tum",

@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 #include <pcl_semantic/dataset/undistorter.h>
+#include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
 #include <map>
@@ -44,8 +45,8 @@ ConfigParameters parametersOf(RgbdFiles& files);
  * In TUM's layout each colour image gets the depth image nearest in time, and is
  * skipped if none is within a maximum difference. Depth images are 16-bit PNG or TIFF,
  * or 32-bit float TIFF; 0, 65535 and non-finite values are no depths. Poses are found
- * in `groundtruth.txt`, in the files `pose/N.txt` (ScanNet), or in those of 7-Scenes; a
- * frame whose pose file is not finite is skipped. */
+ * in `groundtruth.txt`, in the files `pose/NAME.txt` (ScanNet), or in those of
+ * 7-Scenes. */
 class RgbdSequence {
 public:
   /** \param[in] folder see above
@@ -120,13 +121,23 @@ public:
     return frames_.at(i).time;
   }
 
-  /** \brief Path of the folder's trajectory, see readTrajectory(); empty if there is
-   * none. */
+  /** \brief Path of the folder's trajectory, see readTrajectory(), or of the folder of
+   * its pose files; empty if there is none. */
   const std::string&
   posesPath() const
   {
     return poses_;
   }
+
+  /** \brief Whether posesPath() is a folder with one file for each frame. */
+  bool hasPoseFiles() const;
+
+  /** \brief Reads the pose files, by the names of the frames. From then on the sequence
+   * lacks frames whose pose is not finite: the camera was lost.
+   * \return poses by frame number; NaN for frames without one
+   * \throws BadInputException if the file of a frame is missing or invalid, or no pose
+   * is finite */
+  StoredTrajectory takePoseFiles();
 
   /** \brief The camera of the undistorted frames, with the size of the first image;
    * its baseline of 1 m is ignored. */
@@ -158,7 +169,7 @@ public:
 
 private:
   struct Files {
-    std::string name, colour, depth;
+    std::string name, colour, depth, pose;
     double time = 0.0; // [s]
     int number = 0;
   };
@@ -166,6 +177,7 @@ private:
   RgbdSequence(const std::string& folder, double depth_scale, double depth_within);
 
   std::string poses_;
+  PoseFrame pose_frame_ = PoseFrame::camera;
   std::optional<Undistorter> undistorter_; ///< none for colourImages()
   std::vector<std::string> doubts_;
   double depth_scale_;

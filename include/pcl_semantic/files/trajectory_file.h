@@ -26,16 +26,11 @@ using TimedTrajectory = std::vector<TimedPose>;
 
 enum class TrajectoryFormat {
   /// 12 numbers per row: the upper 3 x 4 of a pose. Lines with # may precede the rows.
-  /// Or a folder with one file per frame, its 4 x 4 matrix, in natural order.
   kitti,
   /// 8 numbers per row: time, translation, quaternion (x y z w). Lines with # are
   /// comments.
   tum
 };
-
-/** \brief Whether a path is a folder with poses of 7-Scenes, `*.pose.txt`. The axes of
- * their world are those of a camera: x right, y down, z forward. */
-bool holdsPosesOf7Scenes(const std::string& path);
 
 /** \brief Detects the format of a file from the count of numbers in its first data
  * line.
@@ -44,13 +39,20 @@ TrajectoryFormat trajectoryFormatOf(const std::string& path);
 
 /** \brief Reads a KITTI trajectory. ORB-SLAM's SaveTrajectoryKITTI writes such files.
  *
- * In a folder, a matrix that is not finite becomes a pose of NaN: tracking failed.
  * Rotations with rounding errors are orthonormalised. The error is the Frobenius norm
  * of R R^T - 1. Errors above 1e-2 are refused.
  * \param[out] doubts null = none; a line is appended if an error is above 1e-4
  * \throws BadInputException with the line, for a wrong count, a non-finite number or a
  * matrix that is no rotation */
 Trajectory readKittiTrajectory(const std::string& path,
+                               std::vector<std::string>* doubts = nullptr);
+
+/** \brief Reads a file with the 4 x 4 matrix of one pose, as 7-Scenes and ScanNet have
+ * one for each frame. Rotations are corrected as in readKittiTrajectory().
+ * \return a pose of NaN if a number is not finite: the camera was lost there
+ * \throws BadInputException for another count of numbers, another last row than
+ * 0 0 0 1, or a matrix that is no rotation */
+Eigen::Isometry3d readPoseFile(const std::string& path,
                                std::vector<std::string>* doubts = nullptr);
 
 /** \brief Writes a KITTI trajectory with all digits of the numbers.

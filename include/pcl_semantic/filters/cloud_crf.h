@@ -172,6 +172,13 @@ public:
    * metre there. */
   static constexpr float max_coordinate = 1e7f;
 
+  /** \brief Whether the coordinates are finite and within max_coordinate. */
+  static bool
+  hasPosition(const Eigen::Vector3f& position)
+  {
+    return (position.array().abs() <= max_coordinate).all(); // NaN fails
+  }
+
   /** \brief Refines the points of the given indices.
    * \param[in,out] cloud the labels of these points are rewritten; positions and
    * colours are freed

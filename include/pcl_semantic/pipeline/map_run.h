@@ -202,6 +202,7 @@ private:
   std::optional<LateLabels> late_labels_;
   std::size_t frames_before_ = 0, frames_mapped_ = 0;
   bool is_empty_ = true; // the map
+  bool has_points_ = false;
   std::optional<Eigen::Vector3d> last_position_;
   bool has_doubted_distance_ = false;
   std::optional<double> fitted_reach_; // of the window around the sensor [m]
