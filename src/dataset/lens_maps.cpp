@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace pcl_semantic {
 
@@ -46,7 +47,8 @@ requireUsable(const LensMaps& maps, const std::string& says)
       const cv::Vec2s& here = whole(y, x);
       const cv::Vec2i right = cv::Vec2i(whole(y, x + kStep)) - cv::Vec2i(here);
       const cv::Vec2i below = cv::Vec2i(whole(y + kStep, x)) - cv::Vec2i(here);
-      const bool keeps_sides = right[0] * below[1] - right[1] * below[0] > 0;
+      const bool keeps_sides =
+          std::int64_t(right[0]) * below[1] > std::int64_t(right[1]) * below[0];
       folded += !keeps_sides;
       usable += keeps_sides && image.contains(cv::Point(here));
       ++all;

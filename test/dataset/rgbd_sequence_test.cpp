@@ -237,7 +237,7 @@ TEST_F(Rgbd, ScannetsFoldersAreReadAsTheyCome)
   writePng(folder.path("rgb/a.png"), cv::Mat(2, 3, CV_8UC3, cv::Scalar(1, 2, 3)));
   EXPECT_TRUE(
       holds(RgbdSequence(folder.path(), camera).doubts().at(1),
-                    "has colour images in two layouts; those in " + folder.path("rgb")));
+            "has colour images in two layouts; those in " + folder.path("rgb")));
 }
 
 TEST_F(Rgbd, DepthsMayBeFloatsOrTiff)
