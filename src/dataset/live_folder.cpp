@@ -3,11 +3,9 @@
 
 #include "core/fail.h"
 #include "files/is_there.h"
-#include "new_pairs.h"
+#include "folder_camera.h"
 
-#include <chrono>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace pcl_semantic {
@@ -30,54 +28,26 @@ pairsIn(const std::string& folder)
   return {std::move(left), std::move(right)};
 }
 
-class LiveFolder : public LiveCamera {
+class LiveFolder : public FolderCamera {
 public:
-  explicit LiveFolder(const std::string& folder) : pairs_(pairsIn(folder))
+  explicit LiveFolder(const std::string& folder)
+      : FolderCamera(pairsIn(folder), folder + ": holds no whole pair of images yet")
   {
-    came_ = pairs_.next(grabbed_);
-    if (came_ == 0)
-      fail<BadInputException>(folder, ": holds no whole pair of images yet");
-    const cv::Mat first = readFrameImage(grabbed_.left, grabbed_.frame);
+    const cv::Mat first = readFrameImage(grabbed().left, grabbed().frame);
     const KittiCalibration calibration = readCalibrationOf(
-        first.size(), grabbed_.left, folder + "/calib.txt",
+        first.size(), grabbed().left, folder + "/calib.txt",
         first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
     pair_.camera = calibration.camera;
     pair_.T_camera0_camera = calibration.T_camera0_camera;
   }
 
-  int
-  grab() override
-  {
-    constexpr std::chrono::milliseconds pause(10);
-    const int came = came_ > 0 ? std::exchange(came_, 0) : pairs_.next(grabbed_);
-    if (came > 0)
-      when_ = Clock::now();
-    else
-      std::this_thread::sleep_for(pause);
-    return came;
-  }
-
-  bool
-  hasEnded() const override
-  {
-    return false;
-  }
-
   SensorFrame
   retrieve() override
   {
-    StereoFrame frame = readStereoPair(grabbed_, {camera().width, camera().height});
-    frame.timestamp = std::chrono::duration<double>(when_ - begin_).count();
+    StereoFrame frame = readStereoPair(grabbed(), {camera().width, camera().height});
+    frame.timestamp = time();
     return frame;
   }
-
-private:
-  using Clock = std::chrono::steady_clock;
-
-  NewPairs pairs_;
-  StereoPairFiles grabbed_;
-  int came_ = 0; // from the constructor
-  Clock::time_point begin_ = Clock::now(), when_;
 };
 
 } // namespace
