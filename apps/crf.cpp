@@ -93,7 +93,7 @@ mappingOf(const CRFArguments& arguments)
 }
 
 // Measured with 11 classes and colour (doc/crf.md#large-clouds).
-constexpr CloudNeeds kNeeds{1.4e9, 330.0};
+constexpr CloudNeeds kNeeds{1.1e9, 330.0};
 
 // The tiles of a binary .pcd, which are refined one after the other.
 int

@@ -145,11 +145,11 @@ struct TruncatedKernel::Chunk {
   std::size_t first = 0;                    // point
 
   void
-  find(const PointRows& rows, std::size_t begin)
+  find(const PointRows& rows, const SortedPoints& points, std::size_t begin)
   {
     first = begin;
     groups = rows.findRuns(begin, std::min(rows.size(), begin + max_points));
-    groups.runs.shrink_to_fit();
+    trim(points);
     std::size_t run = 0;
     for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
       std::size_t length = 0;
@@ -160,6 +160,27 @@ struct TruncatedKernel::Chunk {
       pairs += std::size_t(view(g).points) * kernels::strideOf(length);
       pair_ends.push_back(std::uint32_t(pairs)); // chunks with more pairs are refused
     }
+  }
+
+  // Runs are of whole cells, which takes twice the pairs within the radius if points
+  // lie anywhere in space.
+  void
+  trim(const SortedPoints& points)
+  {
+    const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
+    std::uint32_t end = 0, point = std::uint32_t(first);
+    for (std::size_t g = 0, run = 0; g < groups.run_ends.size(); ++g) {
+      const kernels::GroupView group = {groups.runs.data() + run,
+                                        groups.run_ends[g] - run, 0, point,
+                                        int(groups.point_ends[g] - point)};
+      run = groups.run_ends[g];
+      point = groups.point_ends[g];
+      end +=
+          std::uint32_t(loops.trimRuns(points.view(), group, groups.runs.data() + end));
+      groups.run_ends[g] = end;
+    }
+    groups.runs.resize(end);
+    groups.runs.shrink_to_fit();
   }
 
   std::size_t
@@ -219,7 +240,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
       [&](std::size_t c, Scratch& scratch) {
         Chunk& chunk = chunks_[c];
         if (pairs < max_pairs)
-          chunk.find(rows, c * Chunk::max_points);
+          chunk.find(rows, points, c * Chunk::max_points);
         if ((pairs += chunk.pairs) >= max_pairs)
           return; // refused below
         chunk.weights.reset(new std::uint32_t[chunk.pairs / 2]);

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <numeric>
 #include <vector>
 
@@ -178,14 +179,59 @@ refineWhole(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements
               options, distributions, distributions);
 }
 
+// Columns that results have replaced, in reusable slots.
+class SavedColumns {
+public:
+  explicit SavedColumns(int rows) : rows_(rows) {}
+
+  // Returns the slot.
+  std::int32_t
+  add(const Eigen::Ref<const Eigen::VectorXf>& column)
+  {
+    if (free_.empty()) {
+      free_.push_back(std::int32_t(values_.size() / std::size_t(rows_)));
+      values_.resize(values_.size() + std::size_t(rows_));
+    }
+    const std::int32_t slot = free_.back();
+    free_.pop_back();
+    std::copy_n(column.data(), rows_, values_.begin() + begin(slot));
+    return slot;
+  }
+
+  void
+  remove(std::int32_t slot)
+  {
+    free_.push_back(slot);
+  }
+
+  void
+  read(std::int32_t slot, Eigen::Ref<Eigen::VectorXf> column) const
+  {
+    std::copy_n(values_.begin() + begin(slot), rows_, column.data());
+  }
+
+private:
+  std::ptrdiff_t
+  begin(std::int32_t slot) const
+  {
+    return std::ptrdiff_t(slot) * rows_;
+  }
+
+  int rows_;
+  std::deque<float> values_; // a vector would be copied when it grows
+  std::vector<std::int32_t> free_;
+};
+
 // Refines tile by tile, so that the memory of a model grows little with the cloud.
+// Results replace measurements. Those that later tiles need are saved until then.
 class TileRefinement {
 public:
   TileRefinement(const CRFTerms& terms, CRFElements& elements,
                  const ResultOptions& options, CRFReport& report,
                  LabelDistributions& distributions)
       : terms_(terms), elements_(elements), options_(options), report_(report),
-        distributions_(distributions), kernels_(chooseKernels(terms, elements))
+        distributions_(distributions), kernels_(chooseKernels(terms, elements)),
+        uses_(elements.indices.size()), saved_(distributions.classes())
   {
     limits_.reach = kernels_.reach *
                     haloOf(report.unlabelled, elements.indices.size(), report.updates);
@@ -195,54 +241,60 @@ public:
   void
   run()
   {
-    const TileBoxes boxes(elements_.positions, limits_);
+    const TileBoxes boxes(elements_.positions, limits_, [&](const ElementTile& tile) {
+      for (const pcl::index_t k : columnsOf(tile))
+        ++uses_[std::size_t(k)].tiles;
+    });
     if (boxes.size() == 1)
       return refineWhole(terms_, nullptr, elements_, options_, report_, distributions_);
-    terms_.checkInterruption();
-    saveMeasurements(boxes);
     terms_.checkInterruption();
     forEachTile(elements_.positions, limits_,
                 [&](const ElementTile& tile) { refine(tile); });
   }
 
 private:
-  // Results replace measurements, so those that other tiles need are saved.
-  void
-  saveMeasurements(const TileBoxes& boxes)
+  struct Use {
+    std::uint16_t tiles = 0; // that are not refined yet
+    std::int32_t slot = -1;  // of the saved measurement
+  };
+
+  static pcl::Indices
+  columnsOf(const ElementTile& tile)
   {
-    const auto count = Eigen::Index(elements_.indices.size());
-    saved_columns_.assign(elements_.indices.size(), -1);
-    std::vector<Eigen::Index> needed;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      Eigen::Vector3f position = Eigen::Vector3f::Zero();
-      for (Eigen::Index axis = 0; axis < elements_.positions.rows(); ++axis)
-        position[axis] = elements_.positions(axis, k);
-      int near = 0;
-      boxes.forEachNear(position, [&](std::size_t) { ++near; });
-      if (near == 1)
-        continue;
-      saved_columns_[std::size_t(k)] = std::int32_t(needed.size());
-      needed.push_back(elements_.indices[std::size_t(k)]);
-    }
-    saved_.resize(distributions_.classes(), Eigen::Index(needed.size()));
-    for (std::size_t n = 0; n < needed.size(); ++n)
-      saved_.col(Eigen::Index(n)) = distributions_.matrix().col(needed[n]);
+    pcl::Indices columns = tile.own;
+    columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
+    return columns;
   }
 
   void
   refine(const ElementTile& tile)
   {
-    pcl::Indices columns = tile.own;
-    columns.insert(columns.end(), tile.halo.begin(), tile.halo.end());
+    const pcl::Indices columns = columnsOf(tile);
     const LabelDistributions measured(measurementsOf(columns));
     CRFElements part = partOf(columns);
     MeanField inference(buildModel(terms_, nullptr, part, measured, report_));
     runUpdates(terms_, report_.updates, inference);
+    release(columns);
     pcl::Indices refined;
-    for (const pcl::index_t k : tile.own)
+    for (const pcl::index_t k : tile.own) {
       refined.push_back(elements_.indices[std::size_t(k)]);
+      Use& use = uses_[std::size_t(k)];
+      if (use.tiles > 0)
+        use.slot = saved_.add(distributions_.matrix().col(refined.back()));
+    }
     writeResult(inference.marginals(), {part.indices, tile.own.size(), &refined},
                 options_, measured, distributions_);
+  }
+
+  // Ends the use of columns by a tile.
+  void
+  release(const pcl::Indices& columns)
+  {
+    for (const pcl::index_t k : columns) {
+      Use& use = uses_[std::size_t(k)];
+      if (--use.tiles == 0 && use.slot >= 0)
+        saved_.remove(use.slot);
+    }
   }
 
   LabelDistributions::Matrix
@@ -253,8 +305,8 @@ private:
 #pragma omp parallel for schedule(static)
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto column = std::size_t(columns[k]);
-      if (saved_columns_[column] >= 0)
-        measured.col(Eigen::Index(k)) = saved_.col(saved_columns_[column]);
+      if (uses_[column].slot >= 0)
+        saved_.read(uses_[column].slot, measured.col(Eigen::Index(k)));
       else
         measured.col(Eigen::Index(k)) =
             distributions_.matrix().col(elements_.indices[column]);
@@ -285,8 +337,8 @@ private:
   LabelDistributions& distributions_;
   const KernelChoice kernels_;
   TileLimits limits_;
-  std::vector<std::int32_t> saved_columns_; // by element; -1 = not saved
-  LabelDistributions::Matrix saved_;
+  std::vector<Use> uses_; // by element
+  SavedColumns saved_;
 };
 
 } // namespace

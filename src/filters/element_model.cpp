@@ -78,6 +78,10 @@ deviationsOf(const std::vector<GaussianTerm>& terms)
   return deviations;
 }
 
+// The outer tenth of a lattice's weights changes labels in a tile less than one in
+// 100,000 (doc/crf.md#large-clouds).
+constexpr double lattice_radius = 2.0; // [position deviations]
+
 // Mean columns of the members; empty if there are no values.
 Eigen::MatrixXf
 meansOf(const Eigen::MatrixXf& values,
@@ -271,8 +275,9 @@ chooseKernels(const CRFTerms& terms, const CRFElements& elements, double density
   if (elements.choice)
     kernels.choice.methods = elements.choice->methods;
   for (std::size_t m = 0; m < gaussians.size(); ++m) {
-    const double radius =
-        kernels.choice.methods[m] == KernelMethod::lattice ? 3.0 : parameters.radius;
+    const double radius = kernels.choice.methods[m] == KernelMethod::lattice
+                              ? lattice_radius
+                              : parameters.radius;
     kernels.reach =
         std::max(kernels.reach, radius * double(gaussians[m].position_deviation));
   }

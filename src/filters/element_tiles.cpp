@@ -29,19 +29,19 @@ sizeOf(const ElementTile& tile)
   return tile.own.size() + tile.halo.size();
 }
 
-// The median, or the least value above the lowest one.
+// The value with a number of smaller ones, or the least value above the lowest one.
 float
 middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
-         Eigen::Index axis, float low)
+         Eigen::Index axis, float low, std::size_t smaller)
 {
   std::vector<float> values;
   values.reserve(elements.size());
   for (const pcl::index_t i : elements)
     values.push_back(positions(axis, i));
-  const auto median = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), median, values.end());
-  if (*median > low)
-    return *median;
+  const auto middle = values.begin() + std::ptrdiff_t(smaller);
+  std::nth_element(values.begin(), middle, values.end());
+  if (*middle > low)
+    return *middle;
   float least = HUGE_VALF;
   for (const float value : values)
     if (value > low)
@@ -87,6 +87,16 @@ TileBoxes::isSmall(const ElementTile& tile) const
          (limits_.is_most_with_halo ? sizeOf(tile) : tile.own.size()) <= limits_.most;
 }
 
+// A half, or a share that makes tiles of nearly the most elements.
+std::size_t
+TileBoxes::leftSize(std::size_t size) const
+{
+  if (limits_.is_most_with_halo)
+    return size / 2;
+  const std::size_t tiles = (size + limits_.most - 1) / limits_.most;
+  return size * (tiles / 2) / tiles;
+}
+
 // \return the node of the tile
 int
 TileBoxes::divide(const Eigen::MatrixXf& positions, ElementTile tile,
@@ -99,14 +109,15 @@ TileBoxes::divide(const Eigen::MatrixXf& positions, ElementTile tile,
   Eigen::Index axis = 0;
   if (bounds.sizes().maxCoeff(&axis) == 0.0f)
     return addBox(tile, visit);
-  const float middle = middleOf(positions, tile.own, axis, bounds.min()[axis]);
+  const float middle = middleOf(positions, tile.own, axis, bounds.min()[axis],
+                                leftSize(tile.own.size()));
   ElementTile left, right;
   for (const pcl::index_t i : tile.own)
     (positions(axis, i) < middle ? left : right).own.push_back(i);
   left.halo = haloOf(positions, left.own, right.own, tile.halo);
   right.halo = haloOf(positions, right.own, left.own, tile.halo);
-  if (double(std::max(sizeOf(left), sizeOf(right))) >
-      limits_.worthwhile * double(sizeOf(tile)))
+  if (double(sizeOf(left) + sizeOf(right)) >
+      2.0 * limits_.worthwhile * double(sizeOf(tile)))
     return addBox(tile, visit);
   tile = ElementTile(); // its memory is needed
   const std::size_t node = nodes_.size() - 1;

@@ -23,13 +23,13 @@ struct TileLimits {
   double reach = 0.0;   ///< width of the halo, in the unit of the positions
   std::size_t most = 1; ///< elements in a tile, or in a tile and its halo
   bool is_most_with_halo = false;
-  /// Largest share of a tile and its halo that a half may need; otherwise it is not
-  /// halved.
+  /// Largest share of a tile and its halo that its parts may need in the mean;
+  /// otherwise it is not divided.
   double worthwhile = 0.75;
 };
 
-/** \brief Boxes that divide space. A box with too many elements is halved at the median
- * of its longest axis. Elements of equal coordinates stay together, so the boxes do not
+/** \brief Boxes that divide space. A box with too many elements is divided across its
+ * longest axis. Elements of equal coordinates stay together, so the boxes do not
  * depend on the order of the elements. */
 class TileBoxes {
 public:
@@ -92,6 +92,8 @@ private:
                       const pcl::Indices& other, const pcl::Indices& halo) const;
 
   bool isSmall(const ElementTile& tile) const;
+
+  std::size_t leftSize(std::size_t size) const;
 
   TileLimits limits_;
   float reach_;

@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -231,6 +232,46 @@ TEST(TruncatedKernel, TiersFindTheSameRuns)
       }
   }
   EXPECT_GT(points, 300u);
+}
+
+// A pair whose distance is computed as exactly the radius has to stay.
+TEST(TruncatedKernel, RunsAreTrimmedToPointsNearTheBoxOfTheirGroup)
+{
+  constexpr std::size_t count = 200, stride = count + 16;
+  std::vector<float> arrays = makeArray(3 * stride, 1);
+  const auto at = [&](std::size_t i) {
+    return Eigen::Vector3f(arrays[i], arrays[stride + i], arrays[2 * stride + i]);
+  };
+  for (std::size_t i = 104; i < count; ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      arrays[axis * stride + i] *= 3.0f;
+  const Eigen::AlignedBox3f box = Eigen::AlignedBox3f(at(100)).extend(at(101));
+  const float squared_radius = box.squaredExteriorDistance(at(150));
+  const kernels::PointsView points{arrays.data(), stride,  3, squared_radius,
+                                   4.0f,          nullptr, 0, nullptr};
+  std::vector<std::uint32_t> runs, expected;
+  for (std::uint32_t first = 0, length = 1; first + length <= count;
+       first += length, length = length % 16 + 1) {
+    runs.push_back(first << kernels::run_length_bits | length);
+    std::uint32_t begin = count, end = 0;
+    for (std::uint32_t i = first; i < first + length; ++i)
+      if (box.squaredExteriorDistance(at(i)) <= squared_radius) {
+        begin = std::min(begin, i);
+        end = i + 1;
+      }
+    if (end > 0)
+      expected.push_back(begin << kernels::run_length_bits | (end - begin));
+  }
+  ASSERT_LT(expected.size(), runs.size());
+  for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512}) {
+    std::vector<std::uint32_t> trimmed = runs;
+    const kernels::GroupView group{trimmed.data(), runs.size(), count, 100, 2};
+    if (tier <= simdTier()) {
+      trimmed.resize(
+          kernels::truncatedLoops(tier).trimRuns(points, group, trimmed.data()));
+      EXPECT_EQ(trimmed, expected) << nameOf(tier);
+    }
+  }
 }
 
 TEST(TruncatedKernel, TheStatedRadiusKeepsTheMassOfASurface)

@@ -101,7 +101,7 @@ public:
     use_colour_ = use;
   }
 
-  /** \brief Sets the number of points that are refined at once, 500000 by default.
+  /** \brief Sets the number of points that are refined at once, 250000 by default.
    *
    * A larger cloud is refined in tiles of at most as many points and their
    * surroundings, so that the memory of the model grows little with the cloud. Nearly
@@ -261,7 +261,7 @@ private:
   CliqueGenerator::Ptr generator_;
   bool use_colour_ = true;
   std::optional<Whole> whole_;
-  std::size_t tile_size_ = 500000;
+  std::size_t tile_size_ = 250000;
   LabelDistributions refined_;
   std::size_t skipped_points_ = 0;
 };

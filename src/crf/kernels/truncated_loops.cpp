@@ -2,6 +2,8 @@
 #include "truncated_loops.h"
 #include "core/simd_choice.h"
 
+#include <algorithm>
+
 #define HWY_TARGET_INCLUDE "crf/kernels/truncated_loops.cpp"
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
@@ -91,6 +93,61 @@ HWY_INLINE Floats
 squaredDifference(const float* values, float from)
 {
   return squared(hn::Sub(hn::LoadU(d, values), hn::Set(d, from)));
+}
+
+// The box around the points of a group.
+struct GroupBox {
+  float low[3], high[3];
+
+  GroupBox(const PointsView& points, const GroupView& group)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float* const values = points.arrays + axis * points.stride + group.point;
+      low[axis] = *std::min_element(values, values + group.points);
+      high[axis] = *std::max_element(values, values + group.points);
+    }
+  }
+
+  // Rounded like the distances in Nearness, and thus at most as large as these.
+  HWY_INLINE Floats
+  squaredDistance(const float* positions, std::size_t stride) const
+  {
+    auto sum = hn::Zero(d);
+    for (std::size_t axis = 0; axis < 3; ++axis, positions += stride) {
+      const auto position = hn::LoadU(d, positions);
+      const auto beyond = hn::Max(hn::Sub(hn::Set(d, low[axis]), position),
+                                  hn::Sub(position, hn::Set(d, high[axis])));
+      sum = hn::Add(sum, squared(hn::Max(hn::Zero(d), beyond)));
+    }
+    return sum;
+  }
+};
+
+std::size_t
+trimRuns(const PointsView& points, const GroupView& group, std::uint32_t* trimmed)
+{
+  const GroupBox box(points, group);
+  const auto radius = hn::Set(d, points.squared_radius);
+  std::size_t count = 0;
+  for (std::size_t r = 0; r < group.count; ++r) {
+    const std::uint32_t first = group.runs[r] >> run_length_bits;
+    const std::uint32_t length = group.runs[r] & run_length_mask;
+    std::uint32_t near = 0; // a bit for each point
+    for (std::uint32_t k = 0; k < length; k += lanes) {
+      const auto distance =
+          box.squaredDistance(points.arrays + first + k, points.stride);
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, hn::Le(distance, radius), bits);
+      near |= (std::uint32_t(bits[1]) << 8 | bits[0]) << k;
+    }
+    near &= (std::uint32_t(1) << length) - 1;
+    if (near == 0)
+      continue;
+    const auto begin = std::uint32_t(hwy::Num0BitsBelowLS1Bit_Nonzero32(near));
+    const auto end = 32 - std::uint32_t(hwy::Num0BitsAboveMS1Bit_Nonzero32(near));
+    trimmed[count++] = (first + begin) << run_length_bits | (end - begin);
+  }
+  return count;
 }
 
 constexpr float max_halvings = 126.0f; // largest exponent without denormal results
@@ -498,7 +555,8 @@ addProduct(const GroupView& group, const std::uint32_t* packed, const float* val
   }
 }
 
-constexpr TruncatedLoops loops = {findRuns, sumTerms, makeWeights, addProduct};
+constexpr TruncatedLoops loops = {findRuns, trimRuns, sumTerms, makeWeights,
+                                  addProduct};
 
 } // namespace
 

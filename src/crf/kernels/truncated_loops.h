@@ -74,6 +74,13 @@ struct TruncatedLoops {
   std::size_t (*findRuns)(const NearRowsView& rows, std::int32_t first,
                           std::int32_t last, std::uint32_t* runs);
 
+  /** \brief Drops the points at the ends of the runs of a group that lie beyond the
+   * radius around the box of its points, and runs of which none is left.
+   * \param[out] trimmed may be the runs of the group
+   * \return number of trimmed runs */
+  std::size_t (*trimRuns)(const PointsView& points, const GroupView& group,
+                          std::uint32_t* trimmed);
+
   /** \brief Sums the values of each term over the pairs of each point of a group,
    * including the pair of a point with itself.
    * \param[in] scratch scratchSize() floats
