@@ -242,6 +242,8 @@ void
 CRFRun::refine(LabelledCloud& cloud, std::size_t own)
 {
   setCliques(cloud);
+  if (!has_tiles_ && !(cloud.table.voxel_grid[0] > 0.0))
+    crf_.setRemainders(remaindersOf(cloud));
   moveToVoxelCentres(cloud);
   setTileCliques(cloud, own);
   setMeasurements(cloud);

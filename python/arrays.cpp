@@ -339,6 +339,7 @@ warnOfScanSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 // Positions relative to an origin, see localOrigin() [m].
 struct LocalPositions {
   Eigen::Matrix3Xf positions;
+  Eigen::Matrix3Xf remainders; // remaindersOf()
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
   void
@@ -369,6 +370,7 @@ localPositionsOf(const py::object& points)
   const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
   local.origin = localOrigin(positions);
   local.positions = relativeTo(local.origin, positions);
+  local.remainders = remaindersOf(local.origin, positions, local.positions);
   if (areSingle(positions))
     local.warnOfSteps();
   return local;
@@ -405,6 +407,7 @@ cloudFieldsOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
   requireColours(colours, count);
   CloudFields fields;
   fields.positions = std::move(local.positions);
+  fields.remainders = std::move(local.remainders);
   fields.origin = local.origin;
   if (colours)
     fields.colours = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic>>(

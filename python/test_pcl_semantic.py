@@ -43,6 +43,26 @@ class Refine(unittest.TestCase):
             equal = np.mean(whole[4000 * i:4000 * (i + 1)] == alone)
             self.assertGreaterEqual(equal, 0.999)
 
+    def test_a_grid_20_km_wide_has_the_labels_of_its_parts(self):
+        random = np.random.default_rng(4)
+        corners = np.array([[x, y, 300.0] for x in (500e3, 520e3) for y in (5.4e6, 5.42e6)])
+        patches, noisy = [], []
+        for side in 150, 80, 120, 100:  # points 0.05 m apart, moved by millimetres
+            y, x = np.divmod(np.arange(side * side), side)
+            patches.append(0.05 * np.stack([x, y, 0 * x], 1) +
+                           random.normal(0, 0.004, (side * side, 3)))
+            noisy.append(np.where(random.random(side * side) < 0.45,
+                                  random.integers(1, 6, side * side),
+                                  1 + (x // 30 * 7 + y // 30 * 13) % 5))
+        fixed = dict(smoothness_deviation=0.1, appearance_deviation=0.2, crf_iterations=3)
+        points = [patch + corner for patch, corner in zip(patches, corners)]
+        points.append([[0, 0, 0]])  # far from all
+        whole, _ = pcl_semantic.refine(np.concatenate(points),
+                                       labels=np.concatenate(noisy + [[1]]), **fixed)
+        alone = [pcl_semantic.refine(part, labels=labels, classes=5, **fixed)[0]
+                 for part, labels in zip(points, noisy)]
+        np.testing.assert_array_equal(whole[:-1], np.concatenate(alone))
+
     def test_labels_become_consistent(self):
         points, labels, noisy = two_walls()
         refined, probabilities = pcl_semantic.refine(points, labels=noisy)

@@ -329,6 +329,26 @@ CloudPositions::CloudPositions(const LabelledCloud& labelled) : cloud_(*labelled
       columns_.emplace_back(labelled.table, labelled.table.find(name));
 }
 
+Eigen::Matrix3Xf
+remaindersOf(const LabelledCloud& labelled)
+{
+  const auto isFar = [](const pcl::PointXYZRGBL& point) {
+    return isFarOff(point.getVector3fMap());
+  };
+  if (labelled.origin.isZero(0.0) ||
+      std::none_of(labelled.cloud->begin(), labelled.cloud->end(), isFar))
+    return {};
+  const CloudPositions position(labelled);
+  const auto count = Eigen::Index(labelled.cloud->size());
+  Eigen::Matrix3Xd positions(3, count);
+  Eigen::Matrix3Xf relative(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    positions.col(i) = position(std::size_t(i));
+    relative.col(i) = (*labelled.cloud)[std::size_t(i)].getVector3fMap();
+  }
+  return remaindersOf(labelled.origin, positions, relative);
+}
+
 void
 addOrigin(LabelledCloud& labelled)
 {

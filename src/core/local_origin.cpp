@@ -52,6 +52,30 @@ relativeTo(const Eigen::Vector3d& origin,
 }
 
 bool
+isFarOff(const Eigen::Vector3f& relative)
+{
+  return relative.allFinite() && relative.cwiseAbs().maxCoeff() > float(kFarAway);
+}
+
+Eigen::Matrix3Xf
+remaindersOf(const Eigen::Vector3d& origin,
+             const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+             const Eigen::Matrix3Xf& relative)
+{
+  bool is_wide = false;
+  for (Eigen::Index i = 0; i < relative.cols() && !is_wide; ++i)
+    is_wide = isFarOff(relative.col(i));
+  if (!is_wide)
+    return {};
+  Eigen::Matrix3Xf remainders = Eigen::Matrix3Xf::Zero(3, relative.cols());
+  for (Eigen::Index i = 0; i < relative.cols(); ++i)
+    if (relative.col(i).allFinite() && !relative.col(i).isZero(0.0f))
+      remainders.col(i) =
+          (positions.col(i) - origin - relative.col(i).cast<double>()).cast<float>();
+  return remainders;
+}
+
+bool
 areSingle(const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
 {
   return std::all_of(positions.data(), positions.data() + positions.size(),

@@ -4,7 +4,6 @@
 #include "core/cloud_size.h"
 #include "core/fail.h"
 #include "core/label_number.h"
-#include "core/parallel_guard.h"
 #include "core/point_spacing.h"
 #include "element_crf.h"
 #include "element_model.h"
@@ -46,27 +45,6 @@ validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
       ++skipped;
   }
   return valid;
-}
-
-// Median per coordinate.
-Eigen::Vector3f
-medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
-{
-  Eigen::Vector3f median;
-  ParallelGuard guard;
-#pragma omp parallel for schedule(static, 1)
-  for (int a = 0; a < 3; ++a)
-    guard.run([&] {
-      std::vector<float> values;
-      values.reserve(indices.size());
-      for (const pcl::index_t index : indices)
-        values.push_back(positions(a, index));
-      const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      median[a] = *middle;
-    });
-  guard.rethrow();
-  return median;
 }
 
 // Median distance to the origin.
@@ -120,9 +98,19 @@ pointElements(const CloudFields& fields, const pcl::Indices& indices,
               const Eigen::Vector3f& middle)
 {
   CRFElements elements = elementsWithColours(fields, indices);
+  const bool has_remainders = fields.remainders.size() > 0;
+  if (has_remainders)
+    elements.remainders.resize(3, Eigen::Index(indices.size()));
 #pragma omp parallel for schedule(static)
-  for (std::size_t k = 0; k < indices.size(); ++k)
-    elements.positions.col(Eigen::Index(k)) = fields.positions.col(indices[k]) - middle;
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    auto position = elements.positions.col(Eigen::Index(k));
+    position = fields.positions.col(indices[k]) - middle;
+    if (has_remainders)
+      elements.remainders.col(Eigen::Index(k)) =
+          (fields.positions.col(indices[k]).cast<double>() - middle.cast<double>() -
+           position.cast<double>() + fields.remainders.col(indices[k]).cast<double>())
+              .cast<float>();
+  }
   return elements;
 }
 
@@ -179,6 +167,14 @@ CloudCRF::setOrigin(const Eigen::Vector3d& origin)
     badParameter("the origin of the clouds is not finite");
   origin_ = origin;
   judges_steps_ = false;
+}
+
+void
+CloudCRF::setRemainders(Eigen::Matrix3Xf remainders)
+{
+  if (!remainders.allFinite())
+    badParameter("a remainder of a position is not finite");
+  remainders_ = std::move(remainders);
 }
 
 // Chooses the methods of the kernels by a sample.
@@ -244,6 +240,7 @@ CloudCRF::elementsOf(const CloudFields& fields, const pcl::Indices& indices) con
     setMethods(sample, indices.size(), elements);
     return elements;
   }
+  elements.remainders.resize(3, 0); // a part has an origin of its own
   elements.spacing = whole_->spacing;
   elements.extent = whole_->extent;
   const Eigen::Vector3d low = whole_->low - fields.origin - middle.cast<double>();
@@ -362,6 +359,9 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
     fields.colours.resize(3, 0);
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
+  if (fields.remainders.size() > 0)
+    requireSize("remainders of positions", std::size_t(fields.remainders.cols()),
+                count);
   // Voxels have positions from their indices, so a zero is valid there.
   const auto isZero = [&](std::size_t i) {
     return fields.positions.col(Eigen::Index(i)).isZero(0.0f);
@@ -388,6 +388,7 @@ CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
   if (!valid.empty())
     elements = elementsOf(fields, valid);
   fields.positions.resize(3, 0);
+  fields.remainders.resize(3, 0);
   fields.colours.resize(3, 0);
   report_ = refineElements(terms_, cliques, elements, refined_);
 #pragma omp parallel for schedule(static)

@@ -236,6 +236,10 @@ public:
     limits_.reach = kernels_.reach *
                     haloOf(report.unlabelled, elements.indices.size(), report.updates);
     limits_.most = elements.tile_size;
+    // Single precision has steps of 0.06 mm at a kilometre, and of 1/1000 of the
+    // spacing at 16,384 times the spacing.
+    if (elements.remainders.size() > 0)
+      limits_.widest = std::max(1000.0, 16384.0 * elements.spacing);
   }
 
   void
@@ -272,6 +276,8 @@ private:
     const pcl::Indices columns = columnsOf(tile);
     const LabelDistributions measured(measurementsOf(columns));
     CRFElements part = partOf(columns);
+    if (elements_.remainders.size() > 0)
+      refinePositions(tile, columns, part);
     MeanField inference(buildModel(terms_, nullptr, part, measured, report_));
     runUpdates(terms_, report_.updates, inference);
     release(columns);
@@ -328,6 +334,22 @@ private:
     part.extent = elements_.extent;
     part.choice = kernels_.choice;
     return part;
+  }
+
+  // Moves the origin of the positions into the tile, and adds their remainders.
+  void
+  refinePositions(const ElementTile& tile, const pcl::Indices& columns,
+                  CRFElements& part) const
+  {
+    const Eigen::VectorXf origin = medianOf(elements_.positions, tile.own);
+#pragma omp parallel for schedule(static)
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      auto position = part.positions.col(Eigen::Index(k));
+      position = (position.cast<double>() - origin.cast<double>() +
+                  elements_.remainders.col(columns[k]).cast<double>())
+                     .cast<float>();
+    }
+    moveOrigin(terms_, elements_, origin, *part.choice);
   }
 
   const CRFTerms& terms_;
@@ -408,7 +430,7 @@ refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& eleme
                                                           : std::vector<Label>()};
   report.updates = parameters.iterations;
   if (!terms.usesCliques() && terms.kernels.empty() &&
-      elements.indices.size() > elements.tile_size)
+      (elements.indices.size() > elements.tile_size || elements.remainders.size() > 0))
     TileRefinement(terms, elements, options, report, distributions).run();
   else
     refineWhole(terms, cliques, elements, options, report, distributions);

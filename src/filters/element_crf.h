@@ -18,12 +18,13 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief The elements that take part in a CRF: points of a cloud or pixels of an
  * image. */
 struct CRFElements {
-  std::size_t total = 0;     ///< elements of the whole cloud or image
-  pcl::Indices indices;      ///< of the n elements that take part; no duplicates
-  Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite [m] or [px]
-  Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
-  double spacing = 0.0;      ///< CRFReport::spacing
-  double extent = 0.0;       ///< CRFReport::extent
+  std::size_t total = 0;      ///< elements of the whole cloud or image
+  pcl::Indices indices;       ///< of the n elements that take part; no duplicates
+  Eigen::MatrixXf positions;  ///< 1 to 3 rows x n, finite [m] or [px]
+  Eigen::MatrixXf remainders; ///< of positions beyond single precision; empty = none
+  Eigen::MatrixXf colours;    ///< rows x n [grey levels]; empty = no colour
+  double spacing = 0.0;       ///< CRFReport::spacing
+  double extent = 0.0;        ///< CRFReport::extent
   /// The kernels' methods; of a part of elements also the lattices of the whole.
   std::optional<GaussianKernels::Choice> choice;
   /// More elements are refined in tiles of at most as many.

@@ -2,6 +2,7 @@
 #include "element_model.h"
 
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "crf/lattice_kernel.h"
 #include "negative_logs.h"
 
@@ -263,6 +264,26 @@ gather(const Eigen::Ref<const Eigen::MatrixXf>& matrix, const pcl::Indices& colu
   return result;
 }
 
+Eigen::VectorXf
+medianOf(const Eigen::Ref<const Eigen::MatrixXf>& matrix, const pcl::Indices& columns)
+{
+  Eigen::VectorXf median(matrix.rows());
+  ParallelGuard guard;
+#pragma omp parallel for schedule(static, 1)
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+    guard.run([&] {
+      std::vector<float> values;
+      values.reserve(columns.size());
+      for (const pcl::index_t i : columns)
+        values.push_back(matrix(row, i));
+      const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      median[row] = *middle;
+    });
+  guard.rethrow();
+  return median;
+}
+
 KernelChoice
 chooseKernels(const CRFTerms& terms, const CRFElements& elements, double density)
 {
@@ -293,6 +314,16 @@ choiceFor(const SemanticCRFParameters& resolved,
       low, gaussianTerms(resolved, colour_low), kernelOptions(resolved));
   choice.methods = methods;
   return choice;
+}
+
+void
+moveOrigin(const CRFTerms& terms, const CRFElements& elements,
+           const Eigen::VectorXf& origin, GaussianKernels::Choice& choice)
+{
+  const std::vector<float> deviations = deviationsOf(
+      gaussianTerms(resolvedFor(elements, terms.parameters), elements.colours));
+  for (std::size_t m = 0; m < deviations.size(); ++m)
+    choice.lows[m].head(origin.size()) -= origin / deviations[m];
 }
 
 double

@@ -33,6 +33,10 @@ GaussianKernels::Choice choiceFor(const SemanticCRFParameters& resolved,
                                   const Eigen::MatrixXf& low,
                                   const Eigen::MatrixXf& colour_low);
 
+/** \brief Moves the origin of the positions that a choice is for. */
+void moveOrigin(const CRFTerms& terms, const CRFElements& elements,
+                const Eigen::VectorXf& origin, GaussianKernels::Choice& choice);
+
 /** \brief Width of the surroundings that a part of the elements needs, in reaches of
  * the kernels (doc/crf.md#large-clouds).
  * \param[in] unlabelled number of elements without a measurement
@@ -42,6 +46,10 @@ double haloOf(std::size_t unlabelled, std::size_t elements, int updates);
 /** \brief Some columns of a matrix, in their order. */
 Eigen::MatrixXf gather(const Eigen::Ref<const Eigen::MatrixXf>& matrix,
                        const pcl::Indices& columns);
+
+/** \brief Median of each row over some columns, at least one. */
+Eigen::VectorXf medianOf(const Eigen::Ref<const Eigen::MatrixXf>& matrix,
+                         const pcl::Indices& columns);
 
 /** \brief Builds the model over elements, eqs. (3)-(9); see refineElements().
  * \param[in] measured distributions of all elements

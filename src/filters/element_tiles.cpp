@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace pcl_semantic {
@@ -49,6 +50,25 @@ middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
   return least;
 }
 
+// The value after the largest gap, if that is wider than a distance.
+std::optional<float>
+afterGap(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
+         Eigen::Index axis, float distance)
+{
+  std::vector<float> values;
+  values.reserve(elements.size());
+  for (const pcl::index_t i : elements)
+    values.push_back(positions(axis, i));
+  std::sort(values.begin(), values.end());
+  std::optional<float> after;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] - values[i - 1] > distance) {
+      distance = values[i] - values[i - 1];
+      after = values[i];
+    }
+  return after;
+}
+
 } // namespace
 
 TileBoxes::TileBoxes(const Eigen::MatrixXf& positions, const TileLimits& limits,
@@ -83,8 +103,7 @@ TileBoxes::addBox(const ElementTile& tile, const Visit& visit)
 bool
 TileBoxes::isSmall(const ElementTile& tile) const
 {
-  return tile.own.empty() ||
-         (limits_.is_most_with_halo ? sizeOf(tile) : tile.own.size()) <= limits_.most;
+  return (limits_.is_most_with_halo ? sizeOf(tile) : tile.own.size()) <= limits_.most;
 }
 
 // A half, or a share that makes tiles of nearly the most elements.
@@ -93,7 +112,8 @@ TileBoxes::leftSize(std::size_t size) const
 {
   if (limits_.is_most_with_halo)
     return size / 2;
-  const std::size_t tiles = (size + limits_.most - 1) / limits_.most;
+  const std::size_t tiles =
+      std::max<std::size_t>(2, (size + limits_.most - 1) / limits_.most);
   return size * (tiles / 2) / tiles;
 }
 
@@ -103,14 +123,19 @@ TileBoxes::divide(const Eigen::MatrixXf& positions, ElementTile tile,
                   const Visit& visit)
 {
   nodes_.emplace_back();
-  if (isSmall(tile))
+  if (tile.own.empty())
     return addBox(tile, visit);
   const Box bounds = boundsOf(positions, tile.own);
   Eigen::Index axis = 0;
-  if (bounds.sizes().maxCoeff(&axis) == 0.0f)
+  const float width = bounds.sizes().maxCoeff(&axis);
+  if (width == 0.0f || (isSmall(tile) && double(width) <= limits_.widest))
     return addBox(tile, visit);
-  const float middle = middleOf(positions, tile.own, axis, bounds.min()[axis],
-                                leftSize(tile.own.size()));
+  std::optional<float> gap;
+  if (double(width) > limits_.widest) // the median could divide a compact object
+    gap = afterGap(positions, tile.own, axis, reach_);
+  const float middle = gap ? *gap
+                           : middleOf(positions, tile.own, axis, bounds.min()[axis],
+                                      leftSize(tile.own.size()));
   ElementTile left, right;
   for (const pcl::index_t i : tile.own)
     (positions(axis, i) < middle ? left : right).own.push_back(i);

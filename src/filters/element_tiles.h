@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <pcl/types.h>
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -23,14 +24,16 @@ struct TileLimits {
   double reach = 0.0;   ///< width of the halo, in the unit of the positions
   std::size_t most = 1; ///< elements in a tile, or in a tile and its halo
   bool is_most_with_halo = false;
+  /// Extent up to which a tile (without its halo) is not divided at a gap.
+  double widest = HUGE_VAL;
   /// Largest share of a tile and its halo that its parts may need in the mean;
   /// otherwise it is not divided.
   double worthwhile = 0.75;
 };
 
-/** \brief Boxes that divide space. A box with too many elements is divided across its
- * longest axis. Elements of equal coordinates stay together, so the boxes do not
- * depend on the order of the elements. */
+/** \brief Boxes that divide space. A box that is too wide or has too many elements is
+ * divided across its longest axis. Elements of equal coordinates stay together, so the
+ * boxes do not depend on the order of the elements. */
 class TileBoxes {
 public:
   using Visit = std::function<void(const ElementTile&)>;

@@ -106,6 +106,25 @@ TEST(ElementTiles, ElementsAtOnePlaceStayTogether)
   EXPECT_TRUE(tilesOf(Eigen::MatrixXf(3, 0), 1.0, 10).empty());
 }
 
+// Clusters of 300, 500 and 200 elements far apart, and one element far from all.
+TEST(ElementTiles, WideOnesAreDividedAtGaps)
+{
+  Eigen::MatrixXf positions = randomPositions(3, 1001);
+  positions.middleCols(300, 500).row(0).array() += 20000.0f;
+  positions.middleCols(800, 200).row(1).array() += 20000.0f;
+  positions(2, 1000) = -5e6f;
+  TileLimits limits;
+  limits.reach = 5.0; // as wide as the clusters
+  limits.most = 1000;
+  limits.widest = 1000.0;
+  std::multiset<std::size_t> sizes;
+  forEachTile(positions, limits, [&](const ElementTile& tile) {
+    sizes.insert(tile.own.size());
+    EXPECT_TRUE(tile.halo.empty());
+  });
+  EXPECT_EQ(sizes, (std::multiset<std::size_t>{1, 200, 300, 500}));
+}
+
 TEST(ElementTiles, ATileWithAWideHaloIsNotDivided)
 {
   const Eigen::MatrixXf positions = randomPositions(3, 1000);

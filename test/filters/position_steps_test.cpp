@@ -127,6 +127,28 @@ TEST(PositionSteps, FiltersWarnOfThem)
             "");
 }
 
+TEST(PositionSteps, RemaindersAreWhatSinglePrecisionLeavesOut)
+{
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Matrix3Xd positions(3, 5);
+  positions << 500000.0001, 500001.0002, 520000.0003, nan, 500002.0, //
+      5400000.0004, 5400001.0005, 5420000.0006, 1.0, 5400002.0,      //
+      300.0007, 301.0008, 302.0009, 1.0, 302.0;
+  const Eigen::Vector3d origin = localOrigin(positions);
+  const Eigen::Matrix3Xf relative = relativeTo(origin, positions);
+  const Eigen::Matrix3Xf remainders = remaindersOf(origin, positions, relative);
+  ASSERT_EQ(remainders.cols(), 5);
+  for (const int i : {0, 1, 2, 4}) {
+    const Eigen::Vector3d sum =
+        origin + relative.col(i).cast<double>() + remainders.col(i).cast<double>();
+    EXPECT_LT((sum - positions.col(i)).cwiseAbs().maxCoeff(), 2e-9); // [m]
+  }
+  EXPECT_GT(remainders.col(2).cwiseAbs().maxCoeff(), 1e-5f);
+  EXPECT_TRUE(remainders.col(3).isZero(0.0f));
+  const Eigen::Matrix3Xd narrow = positions.leftCols(2);
+  EXPECT_EQ(remaindersOf(origin, narrow, relativeTo(origin, narrow)).size(), 0);
+}
+
 TEST(PositionSteps, PointsWithoutAReturnStayWithoutOneWhenAnOriginIsTakenOff)
 {
   Eigen::Matrix3Xd positions(3, 5);

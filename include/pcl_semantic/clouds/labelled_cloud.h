@@ -56,6 +56,10 @@ private:
   std::vector<PcdColumn> columns_; // x y z, where the cloud is relative to an origin
 };
 
+/** \brief Positions in the file minus those of the cloud, for CloudCRF::setRemainders()
+ * [m]. Empty if no position isFarOff(). */
+Eigen::Matrix3Xf remaindersOf(const LabelledCloud& labelled);
+
 /** \brief Adds the origin to the points of a cloud again, in single precision. For
  * scans, which are relative to their sensor. */
 void addOrigin(LabelledCloud& labelled);

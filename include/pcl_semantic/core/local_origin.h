@@ -24,6 +24,18 @@ Eigen::Vector3d localOrigin(const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
 Eigen::Matrix3Xf relativeTo(const Eigen::Vector3d& origin,
                             const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
+/** \brief Whether a relative position is so far from its origin that single precision
+ * has steps of more than a tenth of a millimetre: more than 1024 m along an axis. */
+bool isFarOff(const Eigen::Vector3f& relative);
+
+/** \brief Remainders of relative positions, positions - (origin + relative), which
+ * single precision does not hold [m]. Empty if no finite position isFarOff(); 0 at 0 0
+ * 0 (see relativeTo()) and where a position is not finite. \param[in] relative of
+ * relativeTo() */
+Eigen::Matrix3Xf remaindersOf(const Eigen::Vector3d& origin,
+                              const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                              const Eigen::Matrix3Xf& relative);
+
 /** \brief Whether single precision holds the positions exactly: they were probably
  * single precision before. */
 bool areSingle(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);

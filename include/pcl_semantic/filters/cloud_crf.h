@@ -21,7 +21,8 @@ struct CRFElements;
 
 /** \brief The fields of a cloud that a CRF reads: one column or entry per point. */
 struct CloudFields {
-  Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
+  Eigen::Matrix3Xf positions;  ///< relative to `origin` [m]
+  Eigen::Matrix3Xf remainders; ///< of positions, remaindersOf() [m]; empty = none
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< frame of the cloud [m]
   bool is_single = true;    ///< the cloud's own positions have single precision
   Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
@@ -92,6 +93,15 @@ public:
    * \param[in] origin [m]; zero by default
    * \throws InvalidParameterException unless finite */
   void setOrigin(const Eigen::Vector3d& origin);
+
+  /** \brief Sets the remainders of the positions of the next input cloud, which single
+   * precision does not hold. A cloud many kilometres wide is then refined in tiles of
+   * up to a kilometre, with their precision. Models with cliques or own kernels, and
+   * voxels, ignore them.
+   * \param[in] remainders remaindersOf(), 3 x points [m]; empty = none (the default).
+   * filter() fails if their number differs from that of the points
+   * \throws InvalidParameterException unless finite */
+  void setRemainders(Eigen::Matrix3Xf remainders);
 
   /** \brief Sets whether kernels and clique generators use the colours of the points;
    * true by default. The setting has no effect if the point type has no colours. */
@@ -231,6 +241,7 @@ protected:
 
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< see setOrigin()
   bool judges_steps_ = true;                         ///< false once an origin was set
+  Eigen::Matrix3Xf remainders_;                      ///< see setRemainders()
 
 private:
   // Of the cloud whose part is refined.

@@ -9,6 +9,7 @@
 
 #include <cstring>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 // PCL instantiates its base classes only for its own point types.
@@ -96,6 +97,7 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud) const
     }
     const Eigen::Vector3d origin = localOrigin(positions);
     fields.positions = relativeTo(origin, positions);
+    fields.remainders = remaindersOf(origin, positions, fields.positions);
     fields.origin = origin;
     fields.is_single = areSingle(positions);
   }
@@ -138,6 +140,8 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   const ThreadScope threads(this->terms_.threads);
   CloudFields fields = readFields(*this->input_);
   fields.origin += this->origin_;
+  if (this->remainders_.size() > 0)
+    fields.remainders = std::exchange(this->remainders_, Eigen::Matrix3Xf());
   this->run(fields, *this->indices_);
   output = *this->input_;
   for (const pcl::index_t index : *this->indices_)
