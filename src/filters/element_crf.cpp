@@ -245,15 +245,18 @@ public:
   void
   run()
   {
-    const TileBoxes boxes(elements_.positions, limits_, [&](const ElementTile& tile) {
+    std::vector<ElementTile> tiles;
+    forEachTile(elements_.positions, limits_, [&](const ElementTile& tile) {
+      tiles.push_back(tile);
       for (const pcl::index_t k : columnsOf(tile))
         ++uses_[std::size_t(k)].tiles;
     });
-    if (boxes.size() == 1)
+    if (tiles.size() == 1)
       return refineWhole(terms_, nullptr, elements_, options_, report_, distributions_);
-    terms_.checkInterruption();
-    forEachTile(elements_.positions, limits_,
-                [&](const ElementTile& tile) { refine(tile); });
+    for (const ElementTile& tile : tiles) {
+      terms_.checkInterruption();
+      refine(tile);
+    }
   }
 
 private:

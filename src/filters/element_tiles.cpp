@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element_tiles.h"
 
+#include "core/parallel_guard.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -139,8 +141,15 @@ TileBoxes::divide(const Eigen::MatrixXf& positions, ElementTile tile,
   ElementTile left, right;
   for (const pcl::index_t i : tile.own)
     (positions(axis, i) < middle ? left : right).own.push_back(i);
-  left.halo = haloOf(positions, left.own, right.own, tile.halo);
-  right.halo = haloOf(positions, right.own, left.own, tile.halo);
+  ParallelGuard guard;
+#pragma omp parallel for schedule(static, 1)
+  for (int side = 0; side < 2; ++side)
+    guard.run([&] {
+      ElementTile& half = side == 0 ? left : right;
+      half.halo =
+          haloOf(positions, half.own, side == 0 ? right.own : left.own, tile.halo);
+    });
+  guard.rethrow();
   if (double(sizeOf(left) + sizeOf(right)) >
       2.0 * limits_.worthwhile * double(sizeOf(tile)))
     return addBox(tile, visit);
