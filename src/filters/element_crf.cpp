@@ -247,6 +247,7 @@ public:
   {
     std::vector<ElementTile> tiles;
     forEachTile(elements_.positions, limits_, [&](const ElementTile& tile) {
+      terms_.checkInterruption();
       tiles.push_back(tile);
       for (const pcl::index_t k : columnsOf(tile))
         ++uses_[std::size_t(k)].tiles;
