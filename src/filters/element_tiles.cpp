@@ -52,7 +52,8 @@ middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
   return least;
 }
 
-// The value after the largest gap, if that is wider than a distance.
+// The value after the gap that is nearest to the median, of those wider than a
+// distance. The largest gap could leave a single element on a side, again and again.
 std::optional<float>
 afterGap(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
          Eigen::Index axis, float distance)
@@ -62,13 +63,12 @@ afterGap(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
   for (const pcl::index_t i : elements)
     values.push_back(positions(axis, i));
   std::sort(values.begin(), values.end());
-  std::optional<float> after;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] - values[i - 1] > distance) {
-      distance = values[i] - values[i - 1];
-      after = values[i];
-    }
-  return after;
+  const std::size_t middle = values.size() / 2;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    for (const std::size_t i : {middle - k, middle + 1 + k}) // i may wrap below 0
+      if (i > 0 && i < values.size() && values[i] - values[i - 1] > distance)
+        return values[i];
+  return std::nullopt;
 }
 
 } // namespace
