@@ -32,15 +32,23 @@ sizeOf(const ElementTile& tile)
   return tile.own.size() + tile.halo.size();
 }
 
-// The value with a number of smaller ones, or the least value above the lowest one.
-float
-middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
-         Eigen::Index axis, float low, std::size_t smaller)
+std::vector<float>
+coordinatesOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
+              Eigen::Index axis)
 {
   std::vector<float> values;
   values.reserve(elements.size());
   for (const pcl::index_t i : elements)
     values.push_back(positions(axis, i));
+  return values;
+}
+
+// The value with a number of smaller ones, or the least value above the lowest one.
+float
+middleOf(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
+         Eigen::Index axis, float low, std::size_t smaller)
+{
+  std::vector<float> values = coordinatesOf(positions, elements, axis);
   const auto middle = values.begin() + std::ptrdiff_t(smaller);
   std::nth_element(values.begin(), middle, values.end());
   if (*middle > low)
@@ -58,10 +66,7 @@ std::optional<float>
 afterGap(const Eigen::MatrixXf& positions, const pcl::Indices& elements,
          Eigen::Index axis, float distance)
 {
-  std::vector<float> values;
-  values.reserve(elements.size());
-  for (const pcl::index_t i : elements)
-    values.push_back(positions(axis, i));
+  std::vector<float> values = coordinatesOf(positions, elements, axis);
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   for (std::size_t k = 0; k < values.size(); ++k)

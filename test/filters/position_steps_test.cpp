@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -147,6 +148,24 @@ TEST(PositionSteps, RemaindersAreWhatSinglePrecisionLeavesOut)
   EXPECT_TRUE(remainders.col(3).isZero(0.0f));
   const Eigen::Matrix3Xd narrow = positions.leftCols(2);
   EXPECT_EQ(remaindersOf(origin, narrow, relativeTo(origin, narrow)).size(), 0);
+}
+
+TEST(PositionSteps, RemaindersAreOfOneCloud)
+{
+  const Cloud::Ptr cloud(new Cloud(20, 1));
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    (*cloud)[i].x = 0.1f * float(i + 1);
+    (*cloud)[i].label = 1;
+  }
+  SemanticCRF<pcl::PointXYZRGBL> crf;
+  crf.setLabelConfidence(0.8, 4);
+  crf.setInputCloud(cloud);
+  crf.setRemainders(Eigen::Matrix3Xf::Zero(3, 19));
+  Cloud refined;
+  EXPECT_THROW(crf.filter(refined), InvalidParameterException);
+  EXPECT_NO_THROW(crf.filter(refined));
+  EXPECT_THROW(crf.setRemainders(Eigen::Matrix3Xf::Constant(3, 20, NAN)),
+               InvalidParameterException);
 }
 
 TEST(PositionSteps, PointsWithoutAReturnStayWithoutOneWhenAnOriginIsTakenOff)

@@ -29,9 +29,11 @@ Eigen::Matrix3Xf relativeTo(const Eigen::Vector3d& origin,
 bool isFarOff(const Eigen::Vector3f& relative);
 
 /** \brief Remainders of relative positions, positions - (origin + relative), which
- * single precision does not hold [m]. Empty if no finite position isFarOff(); 0 at 0 0
- * 0 (see relativeTo()) and where a position is not finite. \param[in] relative of
- * relativeTo() */
+ * single precision does not hold.
+ *
+ * \param[in] relative of relativeTo() [m]
+ * \return 3 x N [m]; empty if no finite position isFarOff(). 0 at 0 0 0 (see
+ * relativeTo()) and where a position is not finite */
 Eigen::Matrix3Xf remaindersOf(const Eigen::Vector3d& origin,
                               const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                               const Eigen::Matrix3Xf& relative);

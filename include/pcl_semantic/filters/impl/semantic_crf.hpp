@@ -132,6 +132,8 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   static_assert(pcl::traits::has_xyz<PointT>::value &&
                     pcl::traits::has_label<PointT>::value,
                 "SemanticCRF needs a point type with x, y, z and label");
+  // Of this cloud, also if it is refused.
+  Eigen::Matrix3Xf remainders = std::exchange(this->remainders_, Eigen::Matrix3Xf());
   if (this->input_->empty()) {
     this->runEmpty();
     output = *this->input_;
@@ -140,8 +142,8 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   const ThreadScope threads(this->terms_.threads);
   CloudFields fields = readFields(*this->input_);
   fields.origin += this->origin_;
-  if (this->remainders_.size() > 0)
-    fields.remainders = std::exchange(this->remainders_, Eigen::Matrix3Xf());
+  if (remainders.size() > 0)
+    fields.remainders = std::move(remainders);
   this->run(fields, *this->indices_);
   output = *this->input_;
   for (const pcl::index_t index : *this->indices_)
